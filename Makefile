@@ -1,0 +1,47 @@
+# `make demo` and `make test` do all their own set-up, on Linux and macOS, with git, make and Python 3.11 to 3.13.
+
+VENV    := .venv
+BIN     := $(VENV)/bin
+# The newest Python that we test with; override with `make PYTHON=/path/to/python demo`.
+PYTHON  := $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
+             "$$p" -c 'import sys, venv, ensurepip; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
+SOURCES := rfcompass planners urdf
+CHECKED := $(SOURCES) tests benchmarks examples
+
+.PHONY: demo test fast check bench clean
+.DEFAULT_GOAL := demo
+
+demo: $(VENV)/.core  ## write a small synthetic trace and survey it
+	$(BIN)/python examples/00_survey_a_sweep.py
+
+test: check  ## everything that CI runs
+	$(BIN)/pytest --cov --cov-report=term
+
+fast: check  ## the everyday subset
+	$(BIN)/pytest -m "not slow"
+
+check: $(VENV)/.test
+	$(BIN)/ruff format --check $(CHECKED)
+	$(BIN)/ruff check $(CHECKED)
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/.test  ## our timings beside the peers'
+	$(BIN)/rfcompass bench
+
+$(VENV)/.python:
+	@test -n "$(PYTHON)" || { echo "rfcompass needs Python 3.11, 3.12 or 3.13 with venv and pip" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+	@touch $@
+
+$(VENV)/.core: $(VENV)/.python pyproject.toml constraints.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.core
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage htmlcov
