@@ -1,0 +1,1 @@
+"""Planners: they act on estimates and never see truth."""

@@ -1,0 +1,113 @@
+"""Every exception of the project.
+
+Two families, which the command line turns into exit codes: [`InputError`][rfcompass.errors.InputError]
+(what was handed in is wrong, exit 2) and [`NoAnswer`][rfcompass.errors.NoAnswer] (the input is fine, but
+physics or data do not allow an answer, exit 1). An error carries the numbers that explain it as
+`error.numbers`, so that a program can act on them without parsing the message.
+"""
+
+from typing import Self
+
+
+class RfCompassError(Exception):
+    """Base of all our exceptions.
+
+    Args:
+        message: One sentence for a human, with the numbers in it.
+        **numbers: The same evidence for a program, for example `epc="3008…"` or `reads=0`.
+    """
+
+    def __init__(self, message: str, **numbers: object) -> None:
+        """Keep the message for people and the numbers for programs."""
+        super().__init__(message)
+        self.message = message
+        self.numbers = numbers
+
+    @property
+    def kind(self) -> str:
+        """Stable name of the failure, as printed by `--json`."""
+        return type(self).__name__
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Survive the trip between worker processes with all evidence."""
+        return _rebuild, (type(self), self.message, self.numbers)
+
+    def with_numbers(self, **numbers: object) -> Self:
+        """Return the same error with more evidence, for callers that know the context."""
+        return type(self)(self.message, **{**self.numbers, **numbers})
+
+
+def _rebuild(cls: type[RfCompassError], message: str, numbers: dict[str, object]) -> RfCompassError:
+    return cls(message, **numbers)
+
+
+class InputError(RfCompassError, ValueError):
+    """What was handed in is wrong: a file, a column, a URDF, an argument."""
+
+
+class ShapeError(InputError):
+    """An array has the wrong shape, type or values; `name`, `expected` and `got` say which."""
+
+
+class TraceError(InputError):
+    """A trace folder breaks the format; carries `file` and, where known, `column` and `row`."""
+
+
+class ImportFormatError(InputError):
+    """A foreign log could not be read; carries `file` and, where known, `column` and `row`."""
+
+
+class DegenerateAnchors(InputError):
+    """The anchors do not define any comparison: fewer than two, or two in the same place."""
+
+
+class DuplicateEpc(InputError):
+    """One EPC names two tags; carries `epc`."""
+
+
+class StudyError(InputError):
+    """A study is unknown, or a folder holds the rows of another study."""
+
+
+class UnknownPart(InputError):
+    """No part, assembly or tag of that name is in the database; carries the name and those `near` to it."""
+
+
+class PartError(InputError):
+    """A part, a mesh or a file of parts cannot be; carries, where known, `part`, `file` and `key`."""
+
+
+class PartDatabaseError(InputError):
+    """The file of a part database is damaged, foreign, of another version or locked; carries `file`."""
+
+
+class RobotModelError(InputError):
+    """A URDF, a tag layout or a robot description cannot be used; carries, where known, `file` and what is wrong."""
+
+
+class JointLimitError(InputError):
+    """A joint value is outside its limits; carries `joint`, `value`, `lower` and `upper`."""
+
+
+class UnknownRobot(InputError):
+    """No robot or tag layout of that name is known; carries `name` and those that are `known`."""
+
+
+class NoAnswer(RfCompassError):
+    """The input is in order, but does not allow an answer."""
+
+
+class TagNeverHeard(NoAnswer):
+    """An EPC that was asked for has no read; carries `epc` and `heard`."""
+
+
+class TooFewReads(NoAnswer):
+    """A tag was heard too rarely to locate or compare it; carries `epc`, `reads` and `needed`."""
+
+
+class Infeasible(NoAnswer):
+    """The constraints contradict each other; carries `rows` and the last `epsilon` tried."""
+
+
+class SolverFailed(NoAnswer):
+    """A numerical solver stopped without a verdict; carries its `status`."""

@@ -1,0 +1,104 @@
+"""Records of the pile search: views, masks, voxel maps and actions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray, IntArray, read_only
+from rfcompass.errors import ShapeError
+from rfcompass.types.record import Record
+
+
+@dataclass(frozen=True, slots=True)
+class DepthView(Record):
+    """One depth image and where it was taken.
+
+    Attributes:
+        depth_m: Distance along the optical axis [m], NaN where the camera saw nothing, shape (H, W).
+        intrinsics: Pinhole matrix [pixel], shape (3, 3).
+        T_world_camera: Camera pose, x right, y down, z forward, homogeneous, shape (4, 4).
+        colour: Red, green, blue, 0..255, shape (H, W, 3); None for a camera without colour.
+    """
+
+    depth_m: FloatArray
+    intrinsics: FloatArray
+    T_world_camera: FloatArray
+    colour: IntArray | None = None
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays; check focal lengths and depths."""
+        set_ = object.__setattr__
+        set_(self, "depth_m", read_only(self.depth_m, "DepthView.depth_m", (None, None), finite=False))
+        set_(self, "intrinsics", read_only(self.intrinsics, "DepthView.intrinsics", (3, 3)))
+        set_(self, "T_world_camera", read_only(self.T_world_camera, "DepthView.T_world_camera", (4, 4)))
+        if self.colour is not None:
+            set_(self, "colour", read_only(self.colour, "DepthView.colour", (*self.depth_m.shape, 3), np.int64))
+        if self.intrinsics[0, 0] <= 0 or self.intrinsics[1, 1] <= 0:
+            raise ShapeError("DepthView.intrinsics: focal lengths must be positive", name="intrinsics")
+        if np.isinf(self.depth_m).any() or (self.depth_m <= 0).any():
+            raise ShapeError("DepthView.depth_m: must be positive, or NaN where nothing was seen", name="depth_m")
+
+
+@dataclass(frozen=True, slots=True)
+class InstanceMasks(Record):
+    """Which object each pixel belongs to.
+
+    Attributes:
+        labels: 0 for background, otherwise the number of the object, shape (H, W).
+    """
+
+    labels: IntArray
+
+    def __post_init__(self) -> None:
+        """Freeze the array; labels are not negative."""
+        object.__setattr__(self, "labels", read_only(self.labels, "InstanceMasks.labels", (None, None), np.int64))
+        if (self.labels < 0).any():
+            raise ShapeError("InstanceMasks.labels: must not be negative", name="labels")
+
+    @property
+    def count(self) -> int:
+        """Number of objects."""
+        return int(np.unique(self.labels[self.labels > 0]).size)
+
+
+@dataclass(frozen=True, slots=True)
+class VoxelGrid(Record):
+    """A value for each voxel of a box.
+
+    Attributes:
+        origin_m: Centre of the first voxel in the world frame [m], shape (3,).
+        spacing_m: Edge of a voxel [m].
+        values: One value for each voxel, shape (X, Y, Z).
+    """
+
+    origin_m: FloatArray
+    spacing_m: float
+    values: FloatArray
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays and check the spacing."""
+        object.__setattr__(self, "origin_m", read_only(self.origin_m, "VoxelGrid.origin_m", (3,)))
+        object.__setattr__(self, "values", read_only(self.values, "VoxelGrid.values", (None, None, None)))
+        if not self.spacing_m > 0:
+            raise ShapeError(f"VoxelGrid.spacing_m: {self.spacing_m} is not positive", name="spacing_m")
+
+
+@dataclass(frozen=True, slots=True)
+class ExtractionAction(Record):
+    """One removal from the pile.
+
+    Attributes:
+        mask_label: Which object of the masks to take.
+        T_world_hand: Hand pose at the grasp, homogeneous, shape (4, 4).
+        aperture_m: Opening of the jaws [m].
+        score: Score of the rule that chose it.
+    """
+
+    mask_label: int
+    T_world_hand: FloatArray
+    aperture_m: float
+    score: float
+
+    def __post_init__(self) -> None:
+        """Freeze the pose."""
+        object.__setattr__(self, "T_world_hand", read_only(self.T_world_hand, "ExtractionAction.T_world_hand", (4, 4)))
