@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rfcompass.errors import InputError, ShapeError
+from rfcompass.evaluation import statistics
+from rfcompass.evaluation.statistics import (
+    bootstrap_interval,
+    paired_difference_interval,
+    quantile_of,
+    sample_statistic,
+    wilson_interval,
+)
+
+NAMES = ("median", "mean", "p90", "p05")
+samples = st.lists(st.floats(-100, 100), min_size=1, max_size=30).map(np.array)
+
+
+@given(samples, st.sampled_from(NAMES), st.integers(0, 1000))
+def test_a_resample_has_the_statistic_of_its_repeated_samples(x, name, seed):
+    counts = np.random.default_rng(seed).integers(0, 3, size=(4, len(x)))
+    counts[:, 0] += 1
+    resampled = statistics._resampled(x, name, counts)
+    assert np.allclose(resampled, [sample_statistic(np.repeat(x, c), name) for c in counts], atol=1e-9)
+
+
+@given(samples, st.sampled_from(NAMES))
+def test_an_interval_lies_within_the_samples_and_repeats(x, name):
+    first, second = (bootstrap_interval(x, name, np.random.default_rng(1), resamples=50) for _ in range(2))
+    assert first == second
+    assert x.min() - 1e-9 <= first.low <= first.high <= x.max() + 1e-9
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_interval_scales_and_shifts_with_the_samples(name):
+    x = np.random.default_rng(0).normal(size=40)
+    plain = bootstrap_interval(x, name, np.random.default_rng(3))
+    moved = bootstrap_interval(100.0 * x + 7.0, name, np.random.default_rng(3))
+    assert np.allclose([moved.low, moved.high], [100.0 * plain.low + 7.0, 100.0 * plain.high + 7.0])
+
+
+def test_blocks_bound_the_memory_and_nothing_else(monkeypatch):
+    x = np.random.default_rng(0).normal(size=50)
+    whole = bootstrap_interval(x, "median", np.random.default_rng(3), resamples=1000)
+    monkeypatch.setattr(statistics, "_BLOCK", 50 * 10)
+    assert bootstrap_interval(x, "median", np.random.default_rng(3), resamples=1000) == whole
+
+
+@pytest.mark.parametrize(("name", "truth"), [("mean", 1.0), ("median", np.log(2.0))])
+def test_a_bootstrap_interval_covers_the_truth_about_as_often_as_it_says(name, truth):
+    rng = np.random.default_rng(11)
+    intervals = [bootstrap_interval(rng.exponential(size=80), name, rng, resamples=400) for _ in range(400)]
+    covered = np.mean([interval.low <= truth <= interval.high for interval in intervals])
+    assert 0.90 <= covered <= 0.98
+
+
+def test_samples_that_repeat_within_a_cluster_add_no_knowledge():
+    x = np.random.default_rng(5).normal(size=30)
+    alone = bootstrap_interval(x, "mean", np.random.default_rng(2))
+    tripled, cluster = np.repeat(x, 3), np.repeat(np.arange(30) * 7, 3)
+    clustered = bootstrap_interval(tripled, "mean", np.random.default_rng(2), clusters=cluster)
+    assert np.allclose([clustered.low, clustered.high], [alone.low, alone.high])
+    independent = bootstrap_interval(tripled, "mean", np.random.default_rng(2))
+    assert independent.high - independent.low < 0.7 * (clustered.high - clustered.low)
+
+
+def test_pairs_cancel_what_both_methods_share():
+    hard = np.random.default_rng(5).exponential(size=50)
+    interval = paired_difference_interval(hard + 0.25, hard, "median", np.random.default_rng(0))
+    assert np.allclose([interval.low, interval.high], 0.25)
+
+
+@given(st.integers(1, 500), st.data())
+def test_the_limits_of_wilson_solve_the_score_equation(n, data):
+    s = data.draw(st.integers(0, n))
+    interval, z = wilson_interval(s, n), 1.959963984540054
+    for p in (interval.low, interval.high):
+        assert np.isclose((s / n - p) ** 2, z * z * p * (1 - p) / n, atol=1e-12)
+    assert interval.low <= s / n <= interval.high
+    mirrored = wilson_interval(n - s, n)
+    assert np.allclose([interval.low, interval.high], [1 - mirrored.high, 1 - mirrored.low])
+
+
+def test_never_in_ten_trials_is_below_a_quarter_or_so():
+    z2 = 1.959963984540054**2
+    assert np.allclose([wilson_interval(0, 10).low, wilson_interval(0, 10).high], [0.0, z2 / (10 + z2)])
+
+
+def test_nothing_has_no_statistic():
+    with pytest.raises(ShapeError):
+        bootstrap_interval(np.zeros(0), "mean", np.random.default_rng(0))
+    with pytest.raises(InputError):
+        wilson_interval(0, 0)
+    with pytest.raises(InputError):
+        wilson_interval(4, 3)
+    with pytest.raises(ShapeError):
+        paired_difference_interval(np.zeros(3), np.zeros(2), "mean", np.random.default_rng(0))
+
+
+def test_statistics_have_names():
+    assert [quantile_of(name) for name in NAMES] == [0.5, None, 0.9, 0.05]
+    for name in ("mode", "p", "p100", "p-1", "P90"):
+        with pytest.raises(InputError, match="known: median"):
+            quantile_of(name)

@@ -1,0 +1,29 @@
+import pytest
+
+from rfcompass.files import write_atomic, write_text_atomic
+
+
+def test_a_writer_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
+    write_text_atomic(tmp_path / "a.txt", "old")
+
+    def fail(draft):
+        draft.write_text("half")
+        raise RuntimeError("disk full")
+
+    with pytest.raises(RuntimeError):
+        write_atomic(tmp_path / "a.txt", fail)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_a_draft_hides_beside_its_file_until_it_is_whole(tmp_path):
+    seen = []
+
+    def write(draft):
+        draft.write_text("new")
+        seen.extend(path.name for path in tmp_path.iterdir())
+
+    write_atomic(tmp_path / "a.txt", write)
+    assert len(seen) == 1
+    assert seen[0].startswith(".a.txt.")
+    assert (tmp_path / "a.txt").read_text() == "new"
