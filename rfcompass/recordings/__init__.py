@@ -1,0 +1,30 @@
+"""Recorded reads: the trace store and importers of foreign logs."""
+
+from rfcompass.recordings.adarf import import_adarf
+from rfcompass.recordings.antenna_poses import AntennaPoses
+from rfcompass.recordings.importers import IMPORTERS, importer
+from rfcompass.recordings.meta_json import SCHEMA
+from rfcompass.recordings.read_table import reads_table
+from rfcompass.recordings.stops import Stops
+from rfcompass.recordings.trace import Trace
+from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
+from rfcompass.recordings.trace_quality import StrayTag, TagQuality, TraceQuality
+from rfcompass.recordings.trace_store import open_trace, write_trace
+
+__all__ = [
+    "IMPORTERS",
+    "SCHEMA",
+    "AntennaPoses",
+    "Stops",
+    "StrayTag",
+    "TagQuality",
+    "Trace",
+    "TraceMeta",
+    "TraceQuality",
+    "TraceTag",
+    "import_adarf",
+    "importer",
+    "open_trace",
+    "reads_table",
+    "write_trace",
+]
