@@ -1,7 +1,9 @@
-"""Files that are there as a whole or not at all."""
+"""Files and folders that are there as a whole or not at all."""
 
 import os
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
@@ -25,3 +27,46 @@ def write_atomic(path: Path, write: Callable[[Path], object]) -> None:
 def write_text_atomic(path: Path, text: str) -> None:
     """Write a text file as a whole, in UTF-8."""
     write_atomic(path, lambda draft: draft.write_text(text, encoding="utf-8"))
+
+
+@contextmanager
+def atomic_folder(path: Path) -> Iterator[Path]:
+    """Let the body fill a new folder beside `path`, then put it in place at once, safely on the disk.
+
+    If the body fails, nothing is left behind. What is at `path` already steps aside, is removed in the end, and
+    comes back if the new folder cannot take its place: whoever calls has made sure that it may be replaced.
+    """
+    partial = path.with_name(f".{path.name}.{uuid4().hex}.partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.mkdir()
+        yield partial
+        for file in partial.rglob("*"):
+            _sync(file)
+        _sync(partial)
+        _move_into_place(partial, path)
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def _move_into_place(partial: Path, target: Path) -> None:
+    if not target.exists() or not any(target.iterdir()):
+        partial.rename(target)
+    else:
+        former = partial.with_suffix(".former")
+        target.rename(former)
+        try:
+            partial.rename(target)
+        except OSError:
+            former.rename(target)
+            raise
+        shutil.rmtree(former)
+    _sync(target.parent)
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

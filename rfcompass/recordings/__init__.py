@@ -4,6 +4,7 @@ from rfcompass.recordings.adarf import import_adarf
 from rfcompass.recordings.antenna_poses import AntennaPoses
 from rfcompass.recordings.importers import IMPORTERS, importer
 from rfcompass.recordings.meta_json import SCHEMA
+from rfcompass.recordings.parts import PartCollection, PartDatabase, part_from_mesh, read_parts, write_parts
 from rfcompass.recordings.read_table import reads_table
 from rfcompass.recordings.stops import Stops
 from rfcompass.recordings.trace import Trace
@@ -15,6 +16,8 @@ __all__ = [
     "IMPORTERS",
     "SCHEMA",
     "AntennaPoses",
+    "PartCollection",
+    "PartDatabase",
     "Stops",
     "StrayTag",
     "TagQuality",
@@ -25,6 +28,9 @@ __all__ = [
     "import_adarf",
     "importer",
     "open_trace",
+    "part_from_mesh",
+    "read_parts",
     "reads_table",
+    "write_parts",
     "write_trace",
 ]

@@ -1,8 +1,9 @@
 """A trace: recorded reads with all that is needed to interpret them, and nothing about the truth."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
@@ -12,14 +13,20 @@ from rfcompass.errors import TraceError
 from rfcompass.recordings.antenna_poses import AntennaPoses
 from rfcompass.recordings.cells import Cells, average_cells
 from rfcompass.recordings.defects import defect
+from rfcompass.recordings.observations import observations
 from rfcompass.recordings.placement import PlacedReads, place_reads
 from rfcompass.recordings.read_table import read_columns
 from rfcompass.recordings.stops import STOPS_FILE, Stops
 from rfcompass.recordings.stored_proximity import PROXIMITY_FILE
 from rfcompass.recordings.trace_meta import TraceMeta
 from rfcompass.recordings.trace_quality import TraceQuality, judge_reads
+from rfcompass.types.observation import Observation
+from rfcompass.types.parts import Part
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan
+
+if TYPE_CHECKING:
+    from rfcompass.robots import Robot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,6 +107,10 @@ class Trace:
         heard = np.flatnonzero(cells.counts.any(axis=(1, 2)))
         traces = {cells.epcs[t]: self._read_trace(cells, int(t), channel[t]) for t in heard}
         return Scan(traces=traces, frame=self.meta.frame, dimensions=self.meta.dimensions)
+
+    def observations(self, robot: "Robot", part: Part, epcs: Sequence[str] | None = None) -> tuple[Observation, ...]:
+        """Read every stop as an observation of one part; see `rfcompass.recordings.observations`."""
+        return observations(self, robot, part, epcs)
 
     def _of_stop(self, stop_id: int | None) -> BoolArray | None:
         stop_ids = self.stop_ids.tolist()

@@ -1,9 +1,6 @@
 """Traces on disk: a folder that is either complete or not there."""
 
 import logging
-import os
-import secrets
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -12,6 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from rfcompass.errors import TraceError
+from rfcompass.files import atomic_folder
 from rfcompass.recordings.antenna_poses import POSES_FILE, parse_poses, poses_csv
 from rfcompass.recordings.defects import defect
 from rfcompass.recordings.meta_json import is_trace_meta, meta_json, parse_meta
@@ -89,17 +87,14 @@ def write_trace(trace: Trace, path: str | Path, *, overwrite: bool = False) -> N
         TraceError: If something is there that must not be replaced, or the disk refuses; carries `path`.
     """
     target = Path(path).resolve()
-    partial = target.parent / f".{target.name}.{secrets.token_hex(4)}.partial"
     contents = _encode(trace)
     try:
         _check_target(target, overwrite=overwrite)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        _write_folder(partial, contents)
-        _move_into_place(partial, target)
+        with atomic_folder(target) as folder:
+            for name, content in contents.items():
+                (folder / name).write_bytes(content)
     except OSError as cause:
         raise TraceError(f"{target}: cannot be written: {cause}", path=str(target)) from cause
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
     _log.info("wrote %d reads to %s", trace.reads.num_rows, target)
 
 
@@ -140,37 +135,3 @@ def _is_trace(folder: Path) -> bool:
         return is_trace_meta(_read_text(folder / META_FILE))
     except TraceError:
         return False
-
-
-def _write_folder(folder: Path, contents: dict[str, bytes]) -> None:
-    folder.mkdir()
-    for name, content in contents.items():
-        with (folder / name).open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-    _sync(folder)
-
-
-def _move_into_place(partial: Path, target: Path) -> None:
-    """Rename the finished folder; a trace in its place steps aside first and comes back if that fails."""
-    if not target.exists() or not any(target.iterdir()):
-        partial.rename(target)
-    else:
-        former = partial.with_suffix(".former")
-        target.rename(former)
-        try:
-            partial.rename(target)
-        except OSError:
-            former.rename(target)
-            raise
-        shutil.rmtree(former)
-    _sync(target.parent)
-
-
-def _sync(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -1,19 +1,28 @@
 """The records that pass between layers: frozen, checked on construction, arrays read-only, SI units."""
 
 from rfcompass.types.comparisons import Comparisons, HalfSpaces
+from rfcompass.types.configuration import Configuration
+from rfcompass.types.epc import canonical_epc
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.grasps import Failure, GraspCandidate, GraspOutcome, GraspPlan, ReachMap, RunEvent, RunLog
 from rfcompass.types.observation import Observation
+from rfcompass.types.parts import Assembly, Part, StablePose, TagSelection
 from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, VoxelGrid
+from rfcompass.types.placed_shape import PlacedShape
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
+from rfcompass.types.shapes import Box, Cylinder, Mesh, Sphere
 from rfcompass.types.tags import ROLES, TagLayout, TagPositions
 from rfcompass.types.volumes import SearchVolume
 
 __all__ = [
     "ROLES",
+    "Assembly",
+    "Box",
     "Comparisons",
+    "Configuration",
+    "Cylinder",
     "DepthView",
     "ExtractionAction",
     "Failure",
@@ -22,8 +31,11 @@ __all__ = [
     "GraspPlan",
     "HalfSpaces",
     "InstanceMasks",
+    "Mesh",
     "Observation",
+    "Part",
     "PartEstimate",
+    "PlacedShape",
     "ProximityMatrix",
     "ReachMap",
     "ReadTrace",
@@ -31,9 +43,13 @@ __all__ = [
     "RunLog",
     "Scan",
     "SearchVolume",
+    "Sphere",
+    "StablePose",
     "TagFix",
     "TagLayout",
     "TagPositions",
     "TagRead",
+    "TagSelection",
     "VoxelGrid",
+    "canonical_epc",
 ]

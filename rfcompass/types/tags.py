@@ -74,7 +74,8 @@ def _unit(directions: FloatArray, name: str) -> FloatArray:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     if (lengths == 0).any():
         raise ShapeError(f"{name}: a direction has length zero", name=name)
-    return np.asarray(vectors / lengths)
+    # A vector of unit length stays as it is to the last bit, so that a layout survives copying unchanged.
+    return np.asarray(np.where(np.abs(lengths - 1.0) < 1e-12, vectors, vectors / lengths))
 
 
 @dataclass(frozen=True, slots=True)
