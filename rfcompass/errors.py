@@ -93,6 +93,14 @@ class UnknownRobot(InputError):
     """No robot or tag layout of that name is known; carries `name` and those that are `known`."""
 
 
+class UnsuitablePath(InputError):
+    """The antenna path does not suit the method: bent, too short; carries the length that is wrong."""
+
+
+class UnknownMeter(InputError):
+    """No proximity meter of that name; carries `meter` and those that are `known`."""
+
+
 class NoAnswer(RfCompassError):
     """The input is in order, but does not allow an answer."""
 
@@ -111,3 +119,7 @@ class Infeasible(NoAnswer):
 
 class SolverFailed(NoAnswer):
     """A numerical solver stopped without a verdict; carries its `status`."""
+
+
+class OutOfReach(NoAnswer):
+    """The arm cannot go there; carries the target and the smallest `miss_m` found."""

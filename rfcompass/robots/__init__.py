@@ -1,0 +1,72 @@
+"""Robots as data: a URDF, a tag layout, and the kinematics that put tags into the base frame.
+
+The names below load on first use: pinocchio takes half a second to import.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rfcompass.robots.checks import RobotReport as RobotReport
+    from rfcompass.robots.checks import check_urdf as check_urdf
+    from rfcompass.robots.defect import Defect as Defect
+    from rfcompass.robots.description import RobotDescription as RobotDescription
+    from rfcompass.robots.description import Tool as Tool
+    from rfcompass.robots.layouts import known_layouts as known_layouts
+    from rfcompass.robots.layouts import load_layout as load_layout
+    from rfcompass.robots.library import describe_robot as describe_robot
+    from rfcompass.robots.library import described_robots as described_robots
+    from rfcompass.robots.library import known_robots as known_robots
+    from rfcompass.robots.library import load_robot as load_robot
+    from rfcompass.robots.limits import JointLimits as JointLimits
+    from rfcompass.robots.robot import Robot as Robot
+    from rfcompass.robots.tagging import tag_urdf as tag_urdf
+    from rfcompass.robots.youbot import YouBot as YouBot
+
+_HOME = {
+    "Defect": "defect",
+    "JointLimits": "limits",
+    "Robot": "robot",
+    "RobotDescription": "description",
+    "RobotReport": "checks",
+    "Tool": "description",
+    "YouBot": "youbot",
+    "check_urdf": "checks",
+    "describe_robot": "library",
+    "described_robots": "library",
+    "known_layouts": "layouts",
+    "known_robots": "library",
+    "load_layout": "layouts",
+    "load_robot": "library",
+    "tag_urdf": "tagging",
+}
+
+__all__ = [
+    "Defect",
+    "JointLimits",
+    "Robot",
+    "RobotDescription",
+    "RobotReport",
+    "Tool",
+    "YouBot",
+    "check_urdf",
+    "describe_robot",
+    "described_robots",
+    "known_layouts",
+    "known_robots",
+    "load_layout",
+    "load_robot",
+    "tag_urdf",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name from the module that defines it."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'rfcompass.robots' has no attribute {name!r}; it has: {', '.join(__all__)}")
+    return getattr(import_module(f"rfcompass.robots.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """List the public names for completion."""
+    return __all__
