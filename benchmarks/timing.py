@@ -1,0 +1,59 @@
+"""What a benchmark reports: our time beside a peer's, both from one run, and how far the answers agree."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import TypeVar
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """One line of a benchmark.
+
+    Attributes:
+        name: What was computed, with its size.
+        ours_s: Our CPU time, best of several [s].
+        peer: Who computed the same.
+        peer_s: CPU time of the peer, best of several [s].
+        agreement: Largest difference of the answers, relative to the largest answer.
+        threads: Threads that either side used.
+    """
+
+    name: str
+    ours_s: float
+    peer: str
+    peer_s: float
+    agreement: float
+    threads: int = 1
+
+    @property
+    def ratio(self) -> float:
+        """How many times faster we are."""
+        return self.peer_s / self.ours_s
+
+    def as_dict(self) -> dict[str, float | int | str]:
+        """All numbers under their names, for JSON."""
+        return {**asdict(self), "ratio": self.ratio}
+
+    def cells(self) -> tuple[str, ...]:
+        """Name, our time, peer, its time, ratio and agreement as text."""
+        times = f"{self.ours_s * 1e3:.1f} ms", self.peer, f"{self.peer_s * 1e3:.1f} ms"
+        return self.name, *times, f"{self.ratio:.1f}x", f"{self.agreement:.0e}"
+
+
+def best_of(repeats: int, compute: Callable[[], Answer]) -> tuple[float, Answer]:
+    """Least CPU time of several calls [s], and the answer of the last; call once before to compile."""
+    times = []
+    for _ in range(repeats):
+        start = time.process_time()
+        answer = compute()
+        times.append(time.process_time() - start)
+    return min(times), answer
+
+
+def show(timings: Sequence[Timing]) -> None:
+    """Print a table."""
+    for row in (("what", "ours", "peer", "peer's", "ratio", "differ by"), *(timing.cells() for timing in timings)):
+        print("{:44s} {:>10s}  {:26s} {:>10s} {:>7s} {:>9s}".format(*row))

@@ -1,0 +1,43 @@
+"""Radio: waves, phases and profiles along an antenna path, warping, and proximity meters."""
+
+from rfcompass.rf.dtw import dtw, dtw_matrix
+from rfcompass.rf.meters import (
+    METERS,
+    AoaMeter,
+    AutoMeter,
+    PhaseDtwMeter,
+    PhaseL1Meter,
+    PhaseRmsMeter,
+    PinItDtwMeter,
+    ProfileL1Meter,
+    RssiMeter,
+    meter,
+)
+from rfcompass.rf.phases import PathProfile, path_profile, unwrapped_phase
+from rfcompass.rf.profiles import AngularProfile
+from rfcompass.rf.runs import runs
+from rfcompass.rf.waves import SPEED_OF_LIGHT_M_S, free_space_channel, wavelength, wavenumber
+
+__all__ = [
+    "METERS",
+    "SPEED_OF_LIGHT_M_S",
+    "AngularProfile",
+    "AoaMeter",
+    "AutoMeter",
+    "PathProfile",
+    "PhaseDtwMeter",
+    "PhaseL1Meter",
+    "PhaseRmsMeter",
+    "PinItDtwMeter",
+    "ProfileL1Meter",
+    "RssiMeter",
+    "dtw",
+    "dtw_matrix",
+    "free_space_channel",
+    "meter",
+    "path_profile",
+    "runs",
+    "unwrapped_phase",
+    "wavelength",
+    "wavenumber",
+]

@@ -1,0 +1,40 @@
+"""Runs: the parts of an antenna path over which the unknown phase constant stays the same.
+
+A reader adds a constant to the phase, another for each antenna port, channel and tag. Phases may be compared along
+positions that share it: those of one receiving port and, if a bistatic rig has several transmitters that stand still,
+of one transmitter.
+"""
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray, IntArray
+from rfcompass.types.reads import ReadTrace
+
+
+def runs(trace: ReadTrace) -> list[IntArray]:
+    """Split the antenna positions into runs.
+
+    Returns:
+        Row indices of each run, in the order of the path; together they are all M positions.
+    """
+    found: list[IntArray] = []
+    for port in np.unique(trace.antenna_ports):
+        rows = np.flatnonzero(trace.antenna_ports == port)
+        found += [rows] if trace.tx_positions_m is None else _by_transmitter(rows, trace.tx_positions_m[rows])
+    return found
+
+
+def legs(trace: ReadTrace) -> float:
+    """Upper bound of how much the round trip grows per metre of antenna motion: 2 monostatic, 1 with a fixed sender."""
+    if trace.tx_positions_m is None:
+        return 2.0
+    moving = any(np.ptp(trace.tx_positions_m[rows], axis=0).any() for rows in runs(trace))
+    return 2.0 if moving else 1.0
+
+
+def _by_transmitter(rows: IntArray, tx_positions_m: FloatArray) -> list[IntArray]:
+    """A transmitter that is met again at the same place stands still; one that never returns moves along."""
+    places, index = np.unique(tx_positions_m, axis=0, return_inverse=True)
+    if len(places) == len(rows):
+        return [rows]
+    return [rows[index.ravel() == place] for place in range(len(places))]
