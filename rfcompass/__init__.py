@@ -4,28 +4,73 @@ The public names below load on first use, so that `import rfcompass` costs nothi
 Start reading at `rfcompass/interfaces.py`.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from rfcompass.lazy import lazy_names
 
 if TYPE_CHECKING:
     from rfcompass.geometry.pose2 import Pose2 as Pose2
+    from rfcompass.localization import ConsistencyLocalizer as ConsistencyLocalizer
+    from rfcompass.localization import PartitionLocalizer as PartitionLocalizer
+    from rfcompass.localization import survey as survey
+    from rfcompass.recordings.parts import PartDatabase as PartDatabase
+    from rfcompass.recordings.trace import Trace as Trace
+    from rfcompass.recordings.trace_store import open_trace as open_trace
+    from rfcompass.recordings.trace_store import write_trace as write_trace
+    from rfcompass.rf import meter as meter
+    from rfcompass.robots.library import load_robot as load_robot
+    from rfcompass.robots.robot import Robot as Robot
+    from rfcompass.robots.youbot import YouBot as YouBot
+    from rfcompass.types.estimate import PartEstimate as PartEstimate
+    from rfcompass.types.fixes import TagFix as TagFix
+    from rfcompass.types.observation import Observation as Observation
+    from rfcompass.types.parts import Part as Part
+    from rfcompass.types.proximity import ProximityMatrix as ProximityMatrix
+    from rfcompass.types.reads import ReadTrace as ReadTrace
+    from rfcompass.types.reads import Scan as Scan
 
 _HOME = {
-    "Pose2": "rfcompass.geometry.pose2",
+    "ConsistencyLocalizer": "localization",
+    "Observation": "types.observation",
+    "Part": "types.parts",
+    "PartDatabase": "recordings.parts",
+    "PartEstimate": "types.estimate",
+    "PartitionLocalizer": "localization",
+    "Pose2": "geometry.pose2",
+    "ProximityMatrix": "types.proximity",
+    "ReadTrace": "types.reads",
+    "Robot": "robots.robot",
+    "Scan": "types.reads",
+    "TagFix": "types.fixes",
+    "Trace": "recordings.trace",
+    "YouBot": "robots.youbot",
+    "load_robot": "robots.library",
+    "meter": "rf",
+    "open_trace": "recordings.trace_store",
+    "survey": "localization",
+    "write_trace": "recordings.trace_store",
 }
 
 __all__ = [
+    "ConsistencyLocalizer",
+    "Observation",
+    "Part",
+    "PartDatabase",
+    "PartEstimate",
+    "PartitionLocalizer",
     "Pose2",
+    "ProximityMatrix",
+    "ReadTrace",
+    "Robot",
+    "Scan",
+    "TagFix",
+    "Trace",
+    "YouBot",
+    "load_robot",
+    "meter",
+    "open_trace",
+    "survey",
+    "write_trace",
 ]
 
-
-def __getattr__(name: str) -> object:
-    """Import a public name from the module that defines it."""
-    if name not in _HOME:
-        raise AttributeError(f"module 'rfcompass' has no attribute {name!r}; it has: {', '.join(__all__)}")
-    return getattr(import_module(_HOME[name]), name)
-
-
-def __dir__() -> list[str]:
-    """List the public names for completion."""
-    return __all__
+__getattr__, __dir__ = lazy_names(__name__, _HOME)

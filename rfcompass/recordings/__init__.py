@@ -6,6 +6,7 @@ from rfcompass.recordings.importers import IMPORTERS, importer
 from rfcompass.recordings.meta_json import SCHEMA
 from rfcompass.recordings.parts import PartCollection, PartDatabase, part_from_mesh, read_parts, write_parts
 from rfcompass.recordings.read_table import reads_table
+from rfcompass.recordings.run_folder import VIEW_FILE, Run, is_run, write_run
 from rfcompass.recordings.stops import Stops
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
@@ -15,9 +16,11 @@ from rfcompass.recordings.trace_store import open_trace, write_trace
 __all__ = [
     "IMPORTERS",
     "SCHEMA",
+    "VIEW_FILE",
     "AntennaPoses",
     "PartCollection",
     "PartDatabase",
+    "Run",
     "Stops",
     "StrayTag",
     "TagQuality",
@@ -27,10 +30,12 @@ __all__ = [
     "TraceTag",
     "import_adarf",
     "importer",
+    "is_run",
     "open_trace",
     "part_from_mesh",
     "read_parts",
     "reads_table",
     "write_parts",
+    "write_run",
     "write_trace",
 ]

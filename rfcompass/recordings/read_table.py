@@ -1,6 +1,6 @@
 """`reads.parquet`: the columns of a trace's reads, checked and turned into arrays."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,10 +87,14 @@ def read_columns(table: pa.Table, phase_sign: int) -> ReadColumns:
     )
 
 
-def reads_table(reads: Iterable[TagRead]) -> pa.Table:
+def reads_table(reads: Iterable[TagRead], stop_ids: Sequence[int] | None = None) -> pa.Table:
     """Put single reads into a table with the columns of `reads.parquet`, in their order.
 
     `t_ns` and `doppler_hz` are left out if no read has them.
+
+    Args:
+        reads: What was heard.
+        stop_ids: Stop of each read, for a trace with stops.
     """
     rows = tuple(reads)
     fields: dict[str, pa.DataType] = {
@@ -99,6 +103,8 @@ def reads_table(reads: Iterable[TagRead]) -> pa.Table:
     }  # fmt: skip
     columns = {name: pa.array([getattr(read, name) for read in rows], kind) for name, kind in fields.items()}
     unused = [name for name in ("t_ns", "doppler_hz") if columns[name].null_count == len(rows)]
+    if stop_ids is not None:
+        columns["stop_id"] = pa.array(stop_ids, pa.int64())
     return pa.table({name: column for name, column in columns.items() if name not in unused})
 
 

@@ -3,8 +3,9 @@
 The names below load on first use: pinocchio takes half a second to import.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from rfcompass.lazy import lazy_names
 
 if TYPE_CHECKING:
     from rfcompass.robots.checks import RobotReport as RobotReport
@@ -59,14 +60,4 @@ __all__ = [
     "tag_urdf",
 ]
 
-
-def __getattr__(name: str) -> object:
-    """Import a public name from the module that defines it."""
-    if name not in _HOME:
-        raise AttributeError(f"module 'rfcompass.robots' has no attribute {name!r}; it has: {', '.join(__all__)}")
-    return getattr(import_module(f"rfcompass.robots.{_HOME[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    """List the public names for completion."""
-    return __all__
+__getattr__, __dir__ = lazy_names(__name__, _HOME)

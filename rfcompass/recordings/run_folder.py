@@ -1,0 +1,91 @@
+"""A run folder: all that a run left behind, for looking at it again.
+
+run.json        what was asked, software versions, seed
+events.jsonl    what happened, one line for each stop
+trace/          what was heard, in the trace format
+estimate.json   the answer, in the shape that `locate` prints
+samples.npz     draws of the pose, if the estimator makes any
+*.png view.html pictures
+"""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import TraceError
+from rfcompass.files import atomic_folder
+from rfcompass.recordings.trace import Trace
+from rfcompass.recordings.trace_store import write_trace
+
+RUN_FILE, EVENTS_FILE, ESTIMATE_FILE, SAMPLES_FILE, VIEW_FILE = (
+    "run.json", "events.jsonl", "estimate.json", "samples.npz", "view.html",
+)  # fmt: skip
+RUN_SCHEMA = "rfcompass-run/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What goes into a run folder. JSON values hold no arrays and no NaN.
+
+    Attributes:
+        asked: What was asked for: command, options, seed, versions.
+        events: What happened, in order.
+        trace: What was heard.
+        estimate: The answer, or the failure.
+        samples: Draws of (x, y, θ), shape (S, 3).
+        pictures: Writers of further files, by name; each gets the path to write.
+    """
+
+    asked: Mapping[str, Any]
+    events: Sequence[Mapping[str, Any]]
+    trace: Trace
+    estimate: Mapping[str, Any]
+    samples: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    pictures: Mapping[str, Callable[[Path], object]] = field(default_factory=dict)
+
+
+def is_run(path: Path) -> bool:
+    """True if a folder holds a run."""
+    return (path / RUN_FILE).is_file()
+
+
+def write_run(run: Run, path: str | Path, *, overwrite: bool = False) -> None:
+    """Write a run folder, all of it or nothing; equal runs give equal bytes.
+
+    Args:
+        run: What to write.
+        path: Folder to create.
+        overwrite: Replace a run that is already there. Anything else that is there is never replaced.
+
+    Raises:
+        TraceError: If something is there that must not be replaced, or the disk refuses; carries `path`.
+    """
+    target = Path(path).resolve()
+    try:
+        if target.exists() and not (target.is_dir() and (not any(target.iterdir()) or (overwrite and is_run(target)))):
+            what = "a run; overwriting was not asked for" if is_run(target) else "something else than a run"
+            raise TraceError(f"{target}: holds {what}", path=str(target))
+        with atomic_folder(target) as folder:
+            _write(run, folder)
+    except OSError as cause:
+        raise TraceError(f"{target}: cannot be written: {cause}", path=str(target)) from cause
+
+
+def _write(run: Run, folder: Path) -> None:
+    (folder / RUN_FILE).write_text(_json({"schema": RUN_SCHEMA, **run.asked}, indent=2), encoding="utf-8")
+    (folder / EVENTS_FILE).write_text("".join(map(_json, run.events)), encoding="utf-8")
+    (folder / ESTIMATE_FILE).write_text(_json(run.estimate, indent=2), encoding="utf-8")
+    write_trace(run.trace, folder / "trace")
+    if len(run.samples):
+        np.savez(folder / SAMPLES_FILE, samples=run.samples)
+    for name, write in run.pictures.items():
+        write(folder / name)
+
+
+def _json(value: Mapping[str, Any], indent: int | None = None) -> str:
+    return json.dumps(value, indent=indent, allow_nan=False) + "\n"

@@ -1,0 +1,1 @@
+"""Figures and pages. Draws records; computes nothing that others need."""
