@@ -1,0 +1,158 @@
+"""The closed loop of RF-Compass: scan, localise, drive half the way, and measure with the hand over the part.
+
+    navigate   scan → localise → in reach? → drive D/2 towards the estimate → scan …
+    localise   drive so that the hand can be over the part → move the hand, scan, localise, a few times
+
+[Wang2013], sections 3.2 and 4.2.B. The loop acts on estimates and on what the robot believes about itself. Grasping
+follows once there is a grasp planner.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from planners.hand_over import hand_over
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import NoAnswer, OutOfReach
+from rfcompass.geometry.pose2 import Pose2
+from rfcompass.interfaces import Localizer, MobileManipulator, Scanner
+from rfcompass.localization import in_reach_by_base_end, next_goal
+from rfcompass.robots import Robot
+from rfcompass.types.configuration import Configuration
+from rfcompass.types.estimate import PartEstimate
+from rfcompass.types.observation import Observation
+
+# Where the hand works best on the youBot, base frame [m], and the poses of the hand around it: x, y [m] and the
+# heading of the jaws [rad]. Ours; chosen for unequal radii and directions, all within reach of the arm.
+HAND_POINT_M = (0.42, 0.0)
+HAND_SWEEP = ((0.0, 0.0, 0.0), (-0.08, -0.14, np.pi / 3), (-0.06, 0.14, -np.pi / 3), (-0.12, 0.0, np.pi / 2))
+
+
+class Device(Scanner, MobileManipulator, Protocol):
+    """A robot that scans, drives and moves its arm."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FetchRules:
+    """When to do what. The paper prints D/2 and 0.6 m; everything else is ours.
+
+    Attributes:
+        reach_m: A part this far from the body's centre, or nearer, is in reach [m].
+        max_moves: Base moves before giving up.
+        hand_point_m: Where the part's centre should lie for the final stops, base frame [m].
+        hand_height_m: Height of the tool over the floor at the final stops [m].
+        hand_sweep: Offsets x, y [m] from `hand_point_m` and jaw heading [rad] of the final stops.
+        max_step_m: Longest single drive [m]; the paper's window holds 2 m of travel.
+    """
+
+    reach_m: float = 0.6
+    max_moves: int = 12
+    hand_point_m: tuple[float, float] = HAND_POINT_M
+    hand_height_m: float = 0.10
+    hand_sweep: Sequence[tuple[float, float, float]] = HAND_SWEEP
+    max_step_m: float = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class FetchStep:
+    """One stop of the loop.
+
+    Attributes:
+        phase: `"navigate"` or `"localise"`.
+        observation: What was heard.
+        configuration: Believed pose and joints of the robot at this stop.
+        estimate: Where the part is, in the base frame of this stop.
+        in_reach: Whether the robot decided that the part is in reach.
+    """
+
+    phase: str
+    observation: Observation
+    configuration: Configuration
+    estimate: PartEstimate
+    in_reach: bool = False
+
+
+@dataclass(slots=True)
+class Fetch:
+    """Runs the loop; iterate over `steps()`.
+
+    Args:
+        robot: Kinematics of the robot, for placing the hand.
+        device: The robot, real or simulated.
+        localizer: Finds the part from the stops so far.
+        start: Joints at the start.
+        rules: When to do what.
+    """
+
+    robot: Robot
+    device: Device
+    localizer: Localizer
+    start: Configuration
+    rules: FetchRules = field(default_factory=FetchRules)
+    _observations: list[Observation] = field(init=False, default_factory=list)
+    _joints: FloatArray = field(init=False)
+
+    def steps(self) -> Iterator[FetchStep]:
+        """Do the whole job, stop by stop.
+
+        Raises:
+            OutOfReach: If the part is not in reach after `max_moves` moves, or the hand cannot get over it.
+            NoAnswer: If the localizer has no answer; what it said, with the stop's number.
+        """
+        self._joints = self.start.joints
+        step = yield from self._navigate()
+        self._line_up(step.estimate)
+        yield from self._localise()
+
+    def _navigate(self) -> Iterator[FetchStep]:
+        for _ in range(self.rules.max_moves + 1):
+            step = self._stop("navigate")
+            yield step
+            if step.in_reach:
+                return step
+            self.device.move_base(self._half_way(step.estimate))
+        D = step.estimate.distance_m
+        message = f"the part is {D:.2f} m away after {self.rules.max_moves} moves"
+        raise OutOfReach(message, distance_m=D, moves=self.rules.max_moves)
+
+    def _localise(self) -> Iterator[FetchStep]:
+        x, y = self.rules.hand_point_m
+        for dx, dy, yaw_rad in self.rules.hand_sweep:
+            point_m = np.array([x + dx, y + dy, self.rules.hand_height_m])
+            here = self.robot.configuration(self._joints)
+            self._joints = hand_over(self.robot, here, point_m, yaw_rad).joints
+            self.device.move_arm(self._joints)
+            yield self._stop("localise")
+
+    def _stop(self, phase: str) -> FetchStep:
+        observation = self.device.scan()
+        self._observations.append(observation)
+        try:
+            estimate = self.localizer.estimate(self._observations)
+        except NoAnswer as error:
+            raise error.with_numbers(stop=observation.stop_id, phase=phase) from error
+        configuration = self.robot.configuration(self._joints, observation.base_pose)
+        return FetchStep(phase, observation, configuration, estimate, self._in_reach(observation, estimate))
+
+    def _in_reach(self, observation: Observation, estimate: PartEstimate) -> bool:
+        """Near by the estimate and by what the tags say: comparisons alone hardly see the distance of a far part."""
+        if estimate.distance_m > self.rules.reach_m:
+            return False
+        matrix = observation.proximity
+        return matrix is None or in_reach_by_base_end(matrix, self.robot.layout)
+
+    def _half_way(self, estimate: PartEstimate) -> Pose2:
+        """Drive D/2 in the direction φ of the part and face it [Wang2013], section 4.2.B."""
+        return next_goal(estimate, min(0.5, self.rules.max_step_m / estimate.distance_m))
+
+    def _line_up(self, estimate: PartEstimate) -> None:
+        """Drive so that the part's centre lies under the hand, its long side across the base if θ is known."""
+        turn = estimate.bearing_rad
+        if estimate.theta_rad is not None:
+            across = estimate.theta_rad - np.pi / 2.0
+            turn = float((across + np.pi / 2.0) % np.pi - np.pi / 2.0)  # half a turn of the part is no difference
+        heading = Pose2(0.0, 0.0, turn)
+        x_m, y_m = estimate.centre_m - heading.apply(np.array(self.rules.hand_point_m))
+        self.device.move_base(Pose2(x_m, y_m, turn))

@@ -1,0 +1,50 @@
+"""The application: collects the commands, each of which imports what it needs when it runs."""
+
+import logging
+from typing import Annotated
+
+import typer
+from rich.logging import RichHandler
+
+from rfcompass.cli.bench import bench
+from rfcompass.cli.fetch import fetch
+from rfcompass.cli.importing import import_recording
+from rfcompass.cli.locate import locate
+from rfcompass.cli.output import messages
+from rfcompass.cli.partition import partition
+from rfcompass.cli.parts import parts_app
+from rfcompass.cli.proximity import proximity
+from rfcompass.cli.robots import robots_app
+from rfcompass.cli.study import study_app
+from rfcompass.cli.survey import survey_command
+from rfcompass.cli.view import view
+
+app = typer.Typer(
+    name="rfcompass",
+    help="RFID-guided manipulation: locate tags and tagged parts, plan and carry out their grasp.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+app.command("fetch")(fetch)
+app.command("locate")(locate)
+app.command("survey")(survey_command)
+app.command("proximity")(proximity)
+app.command("partition")(partition)
+app.command("import")(import_recording)
+app.add_typer(parts_app, name="parts")
+app.add_typer(robots_app, name="robots")
+app.add_typer(study_app, name="study")
+app.command("view")(view)
+app.command("bench")(bench)
+
+
+@app.callback()
+def _options(verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Show log messages.")] = False) -> None:
+    level = logging.INFO if verbose else logging.WARNING
+    logging.basicConfig(level=level, format="%(message)s", handlers=[RichHandler(console=messages(), show_path=False)])
+
+
+def main() -> None:
+    """Entry point of the `rfcompass` program."""
+    app()

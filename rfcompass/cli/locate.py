@@ -1,0 +1,39 @@
+"""`rfcompass locate TRACE`: the part's pose from a recorded scan with robot tags."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_line
+from rfcompass.cli.output import JsonFlag, answering, print_json
+
+
+def locate(
+    trace: Annotated[Path, typer.Argument(help="Trace folder with stops.csv.")],
+    part: Annotated[str, typer.Option(help="Part to find, by its name in the part database.")],
+    estimator: Annotated[Estimator, typer.Option(help="How to find it.")] = Estimator.PARTITION,
+    proximity: Annotated[str, typer.Option(help="Meter for stops without ready-made proximities.")] = "auto",
+    robot: Annotated[str | None, typer.Option(help="Robot name or file; by default what the trace says.")] = None,
+    database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
+    as_json: JsonFlag = False,
+) -> None:
+    """Find a part from a recorded trace; the answer is in the base frame of the last stop."""
+    from rfcompass.errors import TraceError
+    from rfcompass.recordings import PartDatabase, open_trace
+    from rfcompass.robots import load_robot
+
+    with answering(as_json):
+        opened = open_trace(trace)
+        name = robot or opened.meta.robot
+        if name is None:
+            raise TraceError(f"{trace}: does not say which robot carried the tags; use --robot", file="meta.json")
+        with PartDatabase(database) as parts:
+            wanted = parts.part(part)
+        observations = opened.observations(load_robot(name, opened.meta.tag_layout), wanted)
+        estimate = localizer(estimator, proximity).estimate(observations)
+        used = observations[-1].proximity
+        if as_json:
+            print_json(estimate_json(estimate, proximity if used is None else used.kind))
+        else:
+            typer.echo(f"{part}: {one_line(estimate)}  ({estimate.method}, {estimate.stops} stops)")

@@ -1,0 +1,39 @@
+"""`rfcompass partition FILE`: solve a partition problem given as JSON."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rfcompass.cli.estimates import Estimator
+from rfcompass.cli.output import JsonFlag, answering, print_json
+
+
+def partition(
+    file: Annotated[Path, typer.Argument(help="Problem as JSON; see the shapes below.")],
+    method: Annotated[Estimator, typer.Option(help="Convex program, or most comparisons met.")] = Estimator.PARTITION,
+    as_json: JsonFlag = False,
+) -> None:
+    """Find a part from comparisons alone.
+
+    FILE holds {"anchors_m": [[x,y,z]...], "part_points_m": [[x,y,z]...], "comparisons": [{"target": k, "nearer": i,
+    "farther": j, "margin": 0.1}...]} for one stop, or {"part_points_m": ..., "stops": [{"pose": [x,y,theta],
+    "anchors_m": ..., "comparisons": ...}...]} for several; a pose is that stop's base frame in the last stop's frame.
+    "bounds_m": [[xmin,xmax],[ymin,ymax]] bounds the centre. Indices count from 0; margins may be left out.
+    """
+    from rfcompass.errors import InputError
+    from rfcompass.localization import answer_partition
+
+    with answering(as_json):
+        try:
+            document = json.loads(file.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as cause:
+            raise InputError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
+        answer = answer_partition(document, method.value)
+        if as_json:
+            print_json(answer)
+            return
+        for key, value in answer.items():
+            if key != "region":
+                typer.echo(f"{key}: {value}")
