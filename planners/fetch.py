@@ -7,7 +7,7 @@
 follows once there is a grasp planner.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -106,7 +106,7 @@ class Fetch:
         self._line_up(step.estimate)
         yield from self._localise()
 
-    def _navigate(self) -> Iterator[FetchStep]:
+    def _navigate(self) -> Generator[FetchStep, None, FetchStep]:
         for _ in range(self.rules.max_moves + 1):
             step = self._stop("navigate")
             yield step

@@ -1,4 +1,4 @@
-"""`rfcompass view PATH`: a trace as one HTML page."""
+"""`rfcompass view PATH`: a trace or a run as one HTML page."""
 
 import webbrowser
 from pathlib import Path
@@ -14,24 +14,47 @@ if TYPE_CHECKING:
 
 
 def view(
-    path: Annotated[Path, typer.Argument(help="Trace folder.")],
-    out: Annotated[Path | None, typer.Option(help="HTML file to write; by default PATH.html.")] = None,
+    path: Annotated[Path, typer.Argument(help="Trace or run folder.")],
+    out: Annotated[Path | None, typer.Option(help="HTML file to write; PATH.html for a trace.")] = None,
     show: Annotated[bool, typer.Option(help="Open the page in a browser.")] = False,
     as_json: JsonFlag = False,
 ) -> None:
-    """Draw a trace: the antenna path, the tags, and the SAR image and phase of each tag, on one page."""
-    from rfcompass.recordings import open_trace
-    from rfcompass.viz.page import write_page
-
+    """Draw a trace (antenna path, tags, SAR images, phases) on one page, or lead to the page of a run."""
     with answering(as_json):
-        trace = open_trace(path)
-        target = out or path.resolve().with_suffix(".html")
-        write_page(target, f"Trace {path.resolve().name}", trace_parts(trace))
+        target = _run_page(path, out) or _trace_page(path, out)
         messages().print(f"page: {target}", markup=False)
         if as_json:
             print_json({"page": str(target)})
         if show:
             webbrowser.open(target.resolve().as_uri())
+
+
+def _run_page(path: Path, out: Path | None) -> Path | None:
+    """Page of a run folder, copied if asked for elsewhere; None if the path is no run."""
+    from rfcompass.errors import TraceError
+    from rfcompass.files import write_text_atomic
+    from rfcompass.recordings import VIEW_FILE, is_run
+
+    if not is_run(path):
+        return None
+    page = path / VIEW_FILE
+    if not page.is_file():
+        raise TraceError(f"{path}: the run has no {VIEW_FILE}", file=VIEW_FILE, path=str(path))
+    if out is None:
+        return page
+    write_text_atomic(out, page.read_text(encoding="utf-8"))
+    return out
+
+
+def _trace_page(path: Path, out: Path | None) -> Path:
+    """Draw the page of a trace."""
+    from rfcompass.recordings import open_trace
+    from rfcompass.viz.page import write_page
+
+    trace, name = open_trace(path), path.resolve().name
+    target = out or path.resolve().with_name(f"{name}.html")
+    write_page(target, f"Trace {name}", trace_parts(trace))
+    return target
 
 
 def trace_parts(trace: "Trace") -> list["PagePart"]:

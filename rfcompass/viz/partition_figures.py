@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from rfcompass.arrays import FloatArray
-from rfcompass.geometry.pose2 import Pose2
+from rfcompass.geometry.pose2 import as_pose2
 from rfcompass.types.comparisons import HalfSpaces
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.tags import TagLayout, TagPositions
@@ -82,7 +82,7 @@ def _draw_part(axes: Axes, estimate: PartEstimate, part: TagLayout, length_m: fl
     axes.plot(*estimate.centre_m, "+", color=PART_COLOUR, ms=14, mew=2, label="estimated centre", zorder=4)
     if estimate.theta_rad is None:
         return
-    T_base_part = Pose2(*estimate.centre_m, estimate.theta_rad)
+    T_base_part = as_pose2([*estimate.centre_m, estimate.theta_rad])
     ends = T_base_part.apply(np.array([[-length_m / 2.0, 0.0], [length_m / 2.0, 0.0]]))
     axes.plot(*ends.T, color=PART_COLOUR, lw=5, alpha=0.5, solid_capstyle="butt", zorder=3)
     axes.plot(*T_base_part.apply(part.points_m[:, :2]).T, "o", color=PART_COLOUR, ms=5, zorder=4)

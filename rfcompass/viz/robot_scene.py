@@ -9,7 +9,7 @@ from meshcat.animation import Animation
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError
-from rfcompass.geometry.pose2 import Pose2
+from rfcompass.geometry.pose2 import Pose2, as_pose2
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.parts import Part
 from rfcompass.types.placed_shape import PlacedShape
@@ -88,7 +88,7 @@ class RobotScene:
         placed = estimate.in_frame(T_world_base)
         self.draw_region("estimate", placed.region_m)
         if placed.theta_rad is not None:
-            self.draw_part(part, Pose2(*placed.centre_m, placed.theta_rad), tags_m)
+            self.draw_part(part, as_pose2([*placed.centre_m, placed.theta_rad]), tags_m)
 
 
 def _animation(root: "meshcat.Visualizer", stops: Sequence[Sequence[PlacedShape]], seconds: float) -> Animation:

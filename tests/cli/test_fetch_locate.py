@@ -1,0 +1,93 @@
+"""The first whole job, and what it leaves behind."""
+
+import json
+
+import numpy as np
+import pytest
+
+from rfcompass.recordings import open_trace
+
+
+def contents(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def fetched(tmp_path_factory):
+    return tmp_path_factory.mktemp("fetch") / "run"
+
+
+@pytest.fixture
+def answer(run, fetched):
+    """Answer of one fetch; later uses read it from the run folder."""
+    if not fetched.exists():
+        ran = run("fetch", "table_leg_3", "--seed", 3, "--out", fetched, "--database", ":memory:", "--json")
+        assert ran.code == 0, ran.err
+    return json.loads((fetched / "estimate.json").read_text())
+
+
+def test_a_fetch_answers_in_the_agreed_shape(answer):
+    shape = {"part", "centre_m", "theta_rad", "bearing_rad", "distance_m", "covariance", "region", "probability"}
+    assert shape | {"method", "proximity", "stops", "outliers"} <= set(answer)
+    assert answer["part"] == "table_leg_3"
+    assert isinstance(answer["outliers"], int)
+
+
+def test_a_run_folder_is_complete_and_its_page_stands_alone(answer, fetched):
+    names = {path.name for path in fetched.iterdir()}
+    assert {"run.json", "events.jsonl", "trace", "estimate.json", "partition.png", "approach.png", "view.html"} <= names
+    assert "src=" not in (fetched / "view.html").read_text().split("MeshCat.Viewer")[0][:500]
+    assert json.loads((fetched / "run.json").read_text())["seed"] == 3
+
+
+def test_the_same_seed_leaves_the_same_run_folder(run, answer, fetched, tmp_path):
+    ran = run("fetch", "table_leg_3", "--seed", 3, "--out", tmp_path / "again", "--database", ":memory:")
+    assert ran.code == 0
+    assert contents(fetched) == contents(tmp_path / "again")
+
+
+def test_the_trace_of_a_run_holds_no_truth(answer, fetched):
+    trace = open_trace(fetched / "trace")
+    base = trace.stops.base_poses[0]
+    assert np.array_equal(base, [0.0, 0.0, 0.0])  # odometry starts at zero, wherever the robot truly was
+    assert not {"x_m", "y_m"} & {tag.epc for tag in trace.meta.tags}
+
+
+def test_locate_finds_in_the_trace_what_fetch_found(run, answer, fetched):
+    found = run("locate", fetched / "trace", "--part", "table_leg_3", "--database", ":memory:", "--json").json
+    assert found["centre_m"] == answer["centre_m"]
+    assert found["theta_rad"] == answer["theta_rad"]
+    assert found["proximity"] == "noisy_distance"
+
+
+def test_view_leads_to_the_page_of_a_run(run, answer, fetched):
+    ran = run("view", fetched, "--json")
+    assert ran.code == 0
+    assert ran.json["page"] == str(fetched / "view.html")
+
+
+def test_a_run_is_not_overwritten_unasked(run, answer, fetched):
+    ran = run("fetch", "table_leg_3", "--seed", 3, "--out", fetched, "--database", ":memory:", "--json")
+    assert ran.code == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "kind"),
+    [
+        (("table_leg_9",), "UnknownPart"),
+        (("table_leg_3", "--robot", "r2d2"), "UnknownRobot"),
+        (("table_leg_3", "--tags", "7"), "PartError"),
+    ],
+)
+def test_what_does_not_exist_is_bad_input_and_leaves_nothing(run, tmp_path, options, kind):
+    ran = run("fetch", *options, "--out", tmp_path / "run", "--database", ":memory:", "--json")
+    assert ran.code == 2
+    assert ran.json["failure"]["kind"] == kind
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_locate_needs_a_trace_with_a_robot_and_a_part_that_was_heard(run, sweep, answer, fetched):
+    ran = run("locate", sweep, "--part", "table_leg_3", "--database", ":memory:", "--json")
+    assert (ran.code, ran.json["failure"]["kind"]) == (2, "TraceError")
+    ran = run("locate", fetched / "trace", "--part", "table_leg_1", "--database", ":memory:", "--json")
+    assert (ran.code, ran.json["failure"]["kind"]) == (1, "TagNeverHeard")
