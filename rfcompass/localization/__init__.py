@@ -1,0 +1,47 @@
+"""From reads to tag positions, and from comparisons to the part's pose."""
+
+from rfcompass.localization.compared_stop import ComparedStop, compared_stops
+from rfcompass.localization.comparing import compare_proximities
+from rfcompass.localization.consistency import ConsistencyLocalizer
+from rfcompass.localization.hologram import Hologram, Matching, build_hologram
+from rfcompass.localization.hyperbolic import HyperbolicSurveyor
+from rfcompass.localization.partition import PartitionLocalizer
+from rfcompass.localization.partition_file import answer_partition
+from rfcompass.localization.partition_solver import PartitionSolution, solve_partition
+from rfcompass.localization.phase_model import PathCovariance
+from rfcompass.localization.problem import PartitionProblem, bounds_about, build_partition, comparison_rows
+from rfcompass.localization.reach import in_reach_by_base_end, in_reach_by_mean, next_goal, well_positioned
+from rfcompass.localization.sar import SarSurveyor, sar_image
+from rfcompass.localization.search_volume import default_volume
+from rfcompass.localization.survey import SURVEYORS, survey
+from rfcompass.localization.window import recent_stops
+
+__all__ = [
+    "SURVEYORS",
+    "ComparedStop",
+    "ConsistencyLocalizer",
+    "Hologram",
+    "HyperbolicSurveyor",
+    "Matching",
+    "PartitionLocalizer",
+    "PartitionProblem",
+    "PartitionSolution",
+    "PathCovariance",
+    "SarSurveyor",
+    "answer_partition",
+    "bounds_about",
+    "build_hologram",
+    "build_partition",
+    "compare_proximities",
+    "compared_stops",
+    "comparison_rows",
+    "default_volume",
+    "in_reach_by_base_end",
+    "in_reach_by_mean",
+    "next_goal",
+    "recent_stops",
+    "sar_image",
+    "solve_partition",
+    "survey",
+    "well_positioned",
+]

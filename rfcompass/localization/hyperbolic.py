@@ -1,0 +1,118 @@
+"""Locate a tag by fitting the unwrapped phase along the antenna path.
+
+Equal differences of distance lie on hyperbolae, hence the name. All runs and channels are fitted together,
+
+    p = argmin Σ ρ( [L⁻¹ (φ - k d(p))]² ),        ρ(s) = 2 τ² (√(1 + s / τ²) - 1),
+
+with φ the phase lag, d the round trip, L⁻¹ the whitening of `rfcompass.localization.phase_model`, which also takes
+out the unknown constant of each run and channel, and ρ the soft-L1 loss. The fit starts from the best peaks of the
+hologram. Phases are unwrapped about the phase that a tag at the start would have, so that gaps in the path do no harm.
+"""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from rfcompass.arrays import FloatArray
+from rfcompass.localization.confidence_box import MAX_BOX_M, ConfidenceBox, is_confident
+from rfcompass.localization.hologram import Matching, build_hologram
+from rfcompass.localization.peak_search import coarse_peaks
+from rfcompass.localization.phase_model import PathCovariance, PhaseModel, build_phase_model
+from rfcompass.localization.reads_needed import require_reads
+from rfcompass.types.fixes import TagFix
+from rfcompass.types.reads import ReadTrace
+from rfcompass.types.volumes import SearchVolume
+
+STARTS = 4  # ours; the answer on tuning sweeps is the same from 2 to 8
+SOFT_RAD = 2.0  # ours, chosen on two families of measured tuning sweeps, where 1 to 3 rad serve alike
+# Ours: the curvature of the fit knows nothing of the reflections that it has swallowed. On the same sweeps ± 2 standard
+# deviations hold 66 to 80 % of the errors instead of 95 %, ± 4 hold 88 to 98 %.
+BOX_SIGMAS = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Fit:
+    point_m: FloatArray
+    lags: tuple[FloatArray, ...]
+    cost: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class HyperbolicSurveyor:
+    """Fit the tag's position to the unwrapped phases of all runs and channels.
+
+    A fix is confident if its box, ± 4 standard deviations of the fit, is smaller than `max_box_m` along every axis and
+    lies inside the search volume. Axes that the path does not observe have boxes as large as the volume.
+
+    Attributes:
+        covariance: How reflections are correlated along the path.
+        soft_rad: τ, the whitened residual beyond which the loss grows linearly.
+        max_box_m: Largest box of a confident fix along x, y, z [m].
+    """
+
+    method: ClassVar[str] = "hyperbolic"
+    covariance: PathCovariance = field(default_factory=PathCovariance)
+    soft_rad: float = SOFT_RAD
+    max_box_m: tuple[float, float, float] = MAX_BOX_M
+
+    def locate(self, trace: ReadTrace, volume: SearchVolume) -> TagFix:
+        """Find the tag inside a volume; see `Surveyor.locate`."""
+        require_reads(trace)
+        hologram = build_hologram(trace, volume, Matching())
+        starts = coarse_peaks(hologram.power, volume, hologram.wavelength_m, keep=STARTS)
+        model = build_phase_model(trace, self.covariance)
+        fit = min((self._fit(model, volume, start.point_m) for start in starts), key=lambda fit: fit.cost)
+        box = _box(model, volume, fit)
+        return TagFix(
+            epc=trace.epc,
+            point_m=fit.point_m,
+            box_m=box.extent_m,
+            confident=is_confident(box, self.max_box_m),
+            clipped=box.clipped,
+            method=self.method,
+            residual_rad=model.rms_rad(fit.point_m, fit.lags),
+        )
+
+    def _fit(self, model: PhaseModel, volume: SearchVolume, start_m: FloatArray) -> _Fit:
+        """Local optimum from one start; axes of zero extent stay as they are."""
+        free = volume.free_axes
+        lower_m, upper_m = volume.lower_m[free], volume.upper_m[free]
+        lags = model.lags(start_m)
+
+        def at(free_m: FloatArray) -> FloatArray:
+            point_m = start_m.copy()
+            point_m[free] = free_m
+            return point_m
+
+        result = least_squares(
+            lambda free_m: model.residuals(at(free_m), lags),
+            start_m[free],
+            jac=lambda free_m: model.jacobian(at(free_m))[:, free],
+            bounds=(lower_m, upper_m),
+            loss="soft_l1",
+            f_scale=self.soft_rad,
+        )
+        return _Fit(at(result.x), lags, float(result.cost))
+
+
+def _box(model: PhaseModel, volume: SearchVolume, fit: _Fit) -> ConfidenceBox:
+    """± BOX_SIGMAS standard deviations about the fit, cut at the border of the volume.
+
+    Covariance = s² (JᵀJ / c + prior)⁻¹. Reflections are the same in all channels, so that the c channels of a position
+    count as one; s² is the mean square of the white residuals, and the prior a tag anywhere in the volume.
+    """
+    free = volume.free_axes
+    residuals, jacobian = model.residuals(fit.point_m, fit.lags), model.jacobian(fit.point_m)[:, free]
+    channels = model.channels_per_position
+    freedom = max(residuals.size / channels - jacobian.shape[1] - 1.0, 1.0)
+    variance = float(residuals @ residuals) / channels / freedom
+    anywhere = np.diag(12.0 / (volume.upper_m - volume.lower_m)[free] ** 2)
+    information = jacobian.T @ jacobian / channels / max(variance, 1e-12) + anywhere
+    half_m = np.zeros(3)
+    half_m[free] = BOX_SIGMAS * np.sqrt(np.diag(np.linalg.inv(information)))
+    low_m = np.maximum(fit.point_m - half_m, volume.lower_m)
+    high_m = np.minimum(fit.point_m + half_m, volume.upper_m)
+    clipped = ((low_m <= volume.lower_m) | (high_m >= volume.upper_m))[free].any()
+    return ConfidenceBox(high_m - low_m, bool(clipped))

@@ -1,0 +1,110 @@
+"""The partition problem in the words of cvxpy: slow, readable, and open to a user's own convex constraints.
+
+cvxpy is imported only when it is asked for, since that takes a second or two.
+"""
+
+import importlib
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import SolverFailed
+from rfcompass.localization.scaled_rows import ScaledRows
+
+# Takes the cvxpy expression of [x0, y0] or [x0, y0, c, s] (newest base frame, metres), returns cvxpy constraints.
+ExtraConstraints: TypeAlias = Callable[[Any], Sequence[Any]]
+
+_TIGHT = {"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11}
+
+
+def largest_ball(scaled: ScaledRows, extra_constraints: ExtraConstraints | None = None) -> tuple[FloatArray, float]:
+    """Chebyshev centre: maximise r, subject to G y + r <= h and the 64-gon.
+
+    Args:
+        scaled: Rows and bounds.
+        extra_constraints: Further convex constraints on the centre.
+
+    Returns:
+        The centre in scaled unknowns, shape (n,), and the radius [m]; negative if the rows contradict each other,
+        -inf if the extra constraints do.
+
+    Raises:
+        SolverFailed: If the solver stops without a verdict.
+    """
+    cp = _cvxpy()
+    G, h = scaled.with_polygon()
+    y, r = cp.Variable(G.shape[1]), cp.Variable()
+    constraints = [G @ y + r <= h, *_extra(scaled, y, extra_constraints)]
+    program = cp.Problem(cp.Maximize(r), constraints)
+    if not _is_solved(program):
+        return np.zeros(G.shape[1]), -np.inf
+    return np.asarray(y.value), float(r.value)
+
+
+def analytic_centre(
+    scaled: ScaledRows, near: FloatArray, extra_constraints: ExtraConstraints | None = None
+) -> FloatArray | None:
+    """Minimise -Σ log(b - A z) - log(1 - c² - s²), in scaled unknowns.
+
+    The program is written in u, with y = near + T u and T Tᵀ the inverse Hessian of the barrier at `near`, the
+    disc's taken at its middle, so that the cell has about the size one in every direction and the solver's
+    tolerance is a small part of it.
+
+    Args:
+        scaled: Rows and bounds.
+        near: Point of the cell to start from, scaled, shape (n,).
+        extra_constraints: Further convex constraints; they do not enter the barrier.
+
+    Returns:
+        The centre in scaled unknowns, shape (n,); None if the disc or the extra constraints leave nothing.
+
+    Raises:
+        SolverFailed: If the solver stops without a verdict.
+    """
+    cp = _cvxpy()
+    relative = scaled.G / (scaled.h - scaled.G @ near)[:, None]
+    T = np.linalg.inv(np.linalg.cholesky(relative.T @ relative + _disc_curvature(scaled))).T
+    u = cp.Variable(scaled.scale.size)
+    y = near + T @ u
+    barrier = -cp.sum(cp.log(1.0 - relative @ T @ u))
+    if scaled.disc:
+        room = 1.0 - cp.sum_squares(y[2:] / scaled.disc)
+        barrier -= cp.sum(cp.log(cp.hstack([room])))
+    program = cp.Problem(cp.Minimize(barrier), _extra(scaled, y, extra_constraints))
+    return np.asarray(y.value) if _is_solved(program) else None
+
+
+def _disc_curvature(scaled: ScaledRows) -> FloatArray:
+    """Hessian of -log(disc² - y₂² - y₃²) at zero, shape (n, n)."""
+    return np.diag([0.0, 0.0, *[2.0 / scaled.disc**2] * 2]) if scaled.disc else np.zeros((2, 2))
+
+
+def _cvxpy() -> Any:  # noqa: ANN401 - imported late, untyped
+    return importlib.import_module("cvxpy")
+
+
+def _extra(scaled: ScaledRows, y: Any, extra: ExtraConstraints | None) -> list[Any]:  # noqa: ANN401
+    return [] if extra is None else list(extra(scaled.middle + y / scaled.scale))
+
+
+def _is_solved(program: Any) -> bool:  # noqa: ANN401
+    """Solve; False if infeasible.
+
+    Raises:
+        SolverFailed: On any other outcome than an optimum, possibly an inaccurate one, or proven infeasibility.
+    """
+    cp = _cvxpy()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # "solution may be inaccurate": the tolerances ask for more than is needed
+        try:
+            program.solve(solver=cp.CLARABEL, **_TIGHT)
+        except cp.SolverError as error:
+            raise SolverFailed(f"cvxpy: {error}", status="solver_error") from error
+    if program.status in (cp.INFEASIBLE, cp.INFEASIBLE_INACCURATE):
+        return False
+    if program.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+        raise SolverFailed(f"cvxpy stopped with status {program.status}", status=program.status)
+    return True
