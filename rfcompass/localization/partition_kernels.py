@@ -13,7 +13,7 @@ from rfcompass.arrays import FloatArray
 SOLVED, STALLED = 0, 1
 
 _SUMS = {"reassoc", "contract"}  # lets sums run in vector registers; NaN keep their meaning
-_RIDGE = 1e-13  # of the trace; keeps the factor of a nearly singular normal matrix from turning into NaN
+_RIDGE = 1e-15  # of the trace; keeps the factor of a nearly singular normal matrix from turning into NaN
 _S, _DUAL, _TARGET, _DS, _D_DUAL, _WORK = range(6)  # rows of the work array W, shape (6, M)
 
 
@@ -132,7 +132,8 @@ def maximise(
     W, y = np.empty((6, h.size)), start.copy()
     s, dual = W[_S], W[_DUAL]
     _slacks(G, h, y, s)
-    dual[:] = 1.0 / (h.size * s)
+    dual[:] = 1.0 / s
+    dual /= dual.sum()
     last_step = np.inf
     for _ in range(60):
         residual, gap = c - _combine(G, dual), _dot(s, dual)
@@ -159,12 +160,14 @@ def chebyshev(G: FloatArray, h: FloatArray, tolerance: float) -> tuple[FloatArra
     Maximise r, subject to Gᵀ y + r <= h: right because all columns of G have unit length.
     """
     n, M = G.shape
-    with_radius = np.ones((n + 1, M))
-    with_radius[:n] = G
+    with_radius = np.ones((n + 1, M + 1))
+    with_radius[:n, :M] = G
+    with_radius[:n, M] = 0.0
+    with_radius[n, M] = -1.0
     start, c = np.zeros(n + 1), np.zeros(n + 1)
     start[n] = h.min() - 1.0
     c[n] = 1.0
-    y, status = maximise(with_radius, h, c, start, tolerance)
+    y, status = maximise(with_radius, np.append(h, 2.0 - h.min()), c, start, tolerance)
     return y[:n], float(y[n]), status
 
 

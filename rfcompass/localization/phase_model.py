@@ -8,24 +8,20 @@ What the line of sight leaves unexplained, e, is not noise: reads repeat to a de
 to a radian, and they change slowly along the path. We take e as a Gaussian process with a part of reflections
 (Matérn 3/2) and a part of noise,
 
-    cov(e(m), e(m')) = σ² [ (1 + √3 u) exp(-√3 u) + ν δ_mm' ],      u = |a_m - a_m'| / ℓ,
+    cov(e(m), e(m')) = σ² [ (1 + √3 u) exp(-√3 u) + ν δ_mm' ] / (1 + ν),      u = |a_m - a_m'| / ℓ.
 
-and the constant as unknown with a flat prior. With the Cholesky factor L of this covariance at σ = 1, L⁻¹ (φ - k d) is
-white and free of the constant. A fit that takes e for white noise trusts a slow bend of the phase, which is what a
-reflection and a wrong range both look like; whitening makes it look at the faster changes instead.
+It says how far a least-squares fit can be off; a fit that took e for independent noise would be far too sure of itself.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from rfcompass.arrays import FloatArray, IntArray
 from rfcompass.rf.runs import runs
 from rfcompass.rf.waves import wavelength, wavenumber
 from rfcompass.types.reads import ReadTrace
-
-FLAT_PRIOR_RAD2 = 1e4
+from rfcompass.types.volumes import SearchVolume
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,28 +33,26 @@ class PathCovariance:
 
     Attributes:
         length_wavelengths: Correlation length ℓ of the reflections, in wavelengths.
-        noise: Variance ν of the noise, as a share of σ².
+        noise: Variance ν of the noise, as a share of that of the reflections.
     """
 
     length_wavelengths: float = 0.5
     noise: float = 0.01
 
-    def whitening(self, positions_m: FloatArray, wavelength_m: float) -> FloatArray:
-        """L⁻¹ at positions (n, 3) [m], shape (n, n)."""
+    def correlation(self, positions_m: FloatArray, wavelength_m: float) -> FloatArray:
+        """cov(e, e) / σ² at positions (n, 3) [m], shape (n, n)."""
         gaps_m = np.linalg.norm(positions_m[:, None, :] - positions_m[None, :, :], axis=2)
         u = np.sqrt(3.0) * gaps_m / (self.length_wavelengths * wavelength_m)
-        covariance = (1.0 + u) * np.exp(-u) + self.noise * np.eye(len(u)) + FLAT_PRIOR_RAD2
-        return np.asarray(solve_triangular(np.linalg.cholesky(covariance), np.eye(len(u)), lower=True))
+        return np.asarray(((1.0 + u) * np.exp(-u) + self.noise * np.eye(len(u))) / (1.0 + self.noise))
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """One run in one channel: heard positions (n), wavenumber k [rad/m], and L⁻¹, shape (n, n)."""
+    """One run in one channel: heard positions (n) and wavenumber k [rad/m]."""
 
     rows: IntArray
     channel: int
     k: float
-    whitening: FloatArray
 
 
 @dataclass(frozen=True)
@@ -67,12 +61,6 @@ class PhaseModel:
 
     trace: ReadTrace
     stretches: tuple[Stretch, ...]
-
-    @property
-    def channels_per_position(self) -> float:
-        """Mean number of channels in which a position was heard."""
-        rows = np.concatenate([s.rows for s in self.stretches])
-        return rows.size / np.unique(rows).size
 
     def lags(self, near_m: FloatArray) -> tuple[FloatArray, ...]:
         """Phase lag φ of each stretch, unwrapped about the phase of a tag at `near_m` [m], shape (3,); each (n,)."""
@@ -87,37 +75,58 @@ class PhaseModel:
         )
 
     def residuals(self, point_m: FloatArray, lags: tuple[FloatArray, ...]) -> FloatArray:
-        """White residuals L⁻¹ (φ - k d(p)) of all stretches at a point [m], shape (N,)."""
+        """φ - k d(p) less its mean, which takes out the constant, of all stretches at a point [m], shape (N,)."""
         d = self.trace.round_trip_m(point_m[None, :])[0]
-        return np.concatenate(
-            [s.whitening @ (lag - s.k * d[s.rows]) for s, lag in zip(self.stretches, lags, strict=True)]
-        )
+        return np.concatenate([_centred(lag - s.k * d[s.rows]) for s, lag in zip(self.stretches, lags, strict=True)])
 
     def jacobian(self, point_m: FloatArray) -> FloatArray:
-        """Derivative of the white residuals with respect to x, y, z [1/m], shape (N, 3)."""
+        """Derivative of the residuals with respect to x, y, z [rad/m], shape (N, 3)."""
         gradient = _round_trip_gradient(self.trace, point_m)
-        return np.concatenate([-s.k * (s.whitening @ gradient[s.rows]) for s in self.stretches])
+        return np.concatenate([-s.k * _centred(gradient[s.rows]) for s in self.stretches])
 
-    def rms_rad(self, point_m: FloatArray, lags: tuple[FloatArray, ...]) -> float:
-        """Root mean square of φ - k d(p) less its mean in each stretch [rad]."""
-        d = self.trace.round_trip_m(point_m[None, :])[0]
-        rests = [lag - s.k * d[s.rows] for s, lag in zip(self.stretches, lags, strict=True)]
-        return float(np.sqrt(np.mean(np.concatenate([rest - rest.mean() for rest in rests]) ** 2)))
+    def fit_covariance(
+        self, point_m: FloatArray, variance_rad2: float, shape: PathCovariance, volume: SearchVolume
+    ) -> FloatArray:
+        """Covariance of a least-squares fit near a point if the errors are correlated [m²], shape (n, n).
+
+        (JᵀJ/σ² + P)⁻¹ (JᵀRJ/σ² + P) (JᵀJ/σ² + P)⁻¹ over the n free axes, with R the correlation along each run and P
+        the prior of a tag anywhere in the volume, which decides where the path does not observe an axis. Reflections
+        are the same in all channels, so that the channels of a run count as one.
+
+        Args:
+            point_m: The fit [m], shape (3,).
+            variance_rad2: σ² [rad²].
+            shape: How errors are correlated along the path.
+            volume: Where the tag can be; gives the free axes.
+        """
+        free = volume.free_axes
+        prior = np.diag(12.0 / (volume.upper_m - volume.lower_m)[free] ** 2)
+        information, spread = prior.copy(), prior.copy()
+        gradient = _round_trip_gradient(self.trace, point_m)[:, free]
+        wavelength_m = float(wavelength(self.trace.frequencies_hz).mean())
+        for rows, k in self._runs_and_mean_wavenumbers():
+            J = k / np.sqrt(max(variance_rad2, 1e-12)) * _centred(gradient[rows])
+            information += J.T @ J
+            spread += J.T @ shape.correlation(self.trace.antenna_positions_m[rows], wavelength_m) @ J
+        inverse = np.linalg.inv(information)
+        return np.asarray(inverse @ spread @ inverse)
+
+    def _runs_and_mean_wavenumbers(self) -> list[tuple[IntArray, float]]:
+        """Positions heard in some channel, and the mean k of those channels, for each run."""
+        k = wavenumber(self.trace.frequencies_hz)
+        heard = [run[self.trace.mask[run].any(axis=1)] for run in runs(self.trace)]
+        return [(rows, float(k.mean())) for rows in heard if rows.size >= 2]
 
 
-def build_phase_model(trace: ReadTrace, covariance: PathCovariance) -> PhaseModel:
+def build_phase_model(trace: ReadTrace) -> PhaseModel:
     """Collect every run and channel of a trace in which the tag was heard at two positions or more."""
-    k, wavelength_m = wavenumber(trace.frequencies_hz), float(wavelength(trace.frequencies_hz).mean())
-    known: dict[bytes, FloatArray] = {}
-    stretches = []
-    for run in runs(trace):
-        for f in range(k.size):
-            rows = run[trace.mask[run, f]]
-            if rows.size >= 2:
-                if rows.tobytes() not in known:
-                    known[rows.tobytes()] = covariance.whitening(trace.antenna_positions_m[rows], wavelength_m)
-                stretches.append(Stretch(rows, f, float(k[f]), known[rows.tobytes()]))
-    return PhaseModel(trace, tuple(stretches))
+    k = wavenumber(trace.frequencies_hz)
+    heard = [(run[trace.mask[run, f]], f) for run in runs(trace) for f in range(k.size)]
+    return PhaseModel(trace, tuple(Stretch(rows, f, float(k[f])) for rows, f in heard if rows.size >= 2))
+
+
+def _centred(values: FloatArray) -> FloatArray:
+    return np.asarray(values - values.mean(axis=0))
 
 
 def _round_trip_gradient(trace: ReadTrace, point_m: FloatArray) -> FloatArray:
