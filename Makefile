@@ -8,7 +8,7 @@ PYTHON  := $(shell for p in python3.13 python3.12 python3.11 python3 python; do 
 SOURCES := rfcompass planners urdf
 CHECKED := $(SOURCES) tests benchmarks examples
 
-.PHONY: demo test fast check bench clean
+.PHONY: demo test fast check bench results clean
 .DEFAULT_GOAL := demo
 
 demo: $(VENV)/.core  ## write a small synthetic trace and survey it
@@ -28,6 +28,13 @@ check: $(VENV)/.test
 
 bench: $(VENV)/.test  ## our timings beside the peers'
 	$(BIN)/rfcompass bench
+
+results: $(VENV)/.test  ## the README's table; needs RFCOMPASS_MEASURED_DATA
+	rm -rf runs/results && mkdir -p runs/results
+	$(BIN)/rfcompass study run measured-survey --workers 2 --out runs/results/measured-survey
+	$(BIN)/rfcompass study run measured-proximity --workers 2 --out runs/results/measured-proximity
+	OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/rfcompass bench --json > runs/results/bench.json
+	$(BIN)/python docs/write_results.py runs/results
 
 $(VENV)/.python:
 	@test -n "$(PYTHON)" || { echo "rfcompass needs Python 3.11, 3.12 or 3.13 with venv and pip" >&2; exit 1; }

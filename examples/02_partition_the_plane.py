@@ -31,7 +31,7 @@ def main(fast: bool = False, out: Path = Path("runs/02_partition")) -> dict[int,
     """Localise with three, six and nine robot tags; return the area of the cell for each [m²]."""
     robot, leg = YouBot(), PartDatabase(":memory:").part("table_leg_3")
     anchors = robot.tag_positions(robot.posture("scan"))
-    T_base_part = Pose2(0.50, 0.12, 0.4)
+    T_base_part = Pose2(0.40, 0.03, 0.4)
     tag_m = np.array([T_base_part.x_m, T_base_part.y_m, leg.resting_height_m])
 
     areas_m2 = {}

@@ -39,7 +39,7 @@ def show(name: str, estimate: PartEstimate, truth: Pose2) -> None:
 
 def main(fast: bool = False, out: Path = Path("runs/04_orientation")) -> tuple[PartEstimate, PartEstimate]:
     """Localise the same part far and near; return both estimates."""
-    far, near = Pose2(3.0, 1.0, 0.9), Pose2(0.45, 0.06, 0.9)
+    far, near = Pose2(5.0, 1.0, 0.9), Pose2(0.45, 0.06, 0.9)
     localizer = PartitionLocalizer()
     far_estimate = localizer.estimate([observe(far)])
     observation = observe(near)

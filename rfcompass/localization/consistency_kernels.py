@@ -98,7 +98,7 @@ def _halve(G: FloatArray, stack: _Stack, top: int, axis: int) -> None:
     for half in range(top, top + 2):
         everywhere, still_open, middle = _judge(G, rows, boxes[half], stack.open_rows[half])
         tally[half, 0], tally[half, 1], tally[half, 2] = sure + everywhere, still_open, sure + middle
-    if tally[top, 0] + tally[top, 1] > tally[top + 1, 0] + tally[top + 1, 1]:
+    if tally[top, 2] > tally[top + 1, 2]:
         _swap(stack, top)
 
 

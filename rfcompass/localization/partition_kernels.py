@@ -14,6 +14,7 @@ SOLVED, STALLED = 0, 1
 
 _SUMS = {"reassoc", "contract"}  # lets sums run in vector registers; NaN keep their meaning
 _RIDGE = 1e-15  # of the trace; keeps the factor of a nearly singular normal matrix from turning into NaN
+_FULL_STEPS = 0.05  # squared Newton decrement below which full steps converge (a barrier is self-concordant)
 _S, _DUAL, _TARGET, _DS, _D_DUAL, _WORK = range(6)  # rows of the work array W, shape (6, M)
 
 
@@ -110,11 +111,14 @@ def _longest_step(value: FloatArray, change: FloatArray) -> float:
 
 @numba.njit(cache=True, error_model="numpy")
 def _second_target(W: FloatArray, gap: float) -> None:
-    """Mehrotra's corrector: how far to centre is judged by how far the pure Newton step would come."""
+    """Mehrotra's corrector: how far to centre is judged by how far the pure Newton step would come.
+
+    The second-order term is damped where that step is short; undamped, the iteration can cycle.
+    """
     s, dual, ds, d_dual = W[_S], W[_DUAL], W[_DS], W[_D_DUAL]
     primal, against = _longest_step(s, ds), _longest_step(dual, d_dual)
     left = _dot(s + primal * ds, dual + against * d_dual)
-    W[_TARGET] = (left / gap) ** 3 * gap / s.size - s * dual - ds * d_dual
+    W[_TARGET] = (left / gap) ** 3 * gap / s.size - s * dual - primal * against * ds * d_dual
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -157,7 +161,8 @@ def maximise(
 def chebyshev(G: FloatArray, h: FloatArray, tolerance: float) -> tuple[FloatArray, float, int]:
     """Centre and radius of the largest ball in {Gᵀ y <= h}; the radius is negative if that set is empty.
 
-    Maximise r, subject to Gᵀ y + r <= h: right because all columns of G have unit length.
+    Maximise r, subject to Gᵀ y + r <= h: right because all columns of G have unit length. One row more keeps r
+    above what it starts from; without it the program is open downwards, and open cells lead the solver astray.
     """
     n, M = G.shape
     with_radius = np.ones((n + 1, M + 1))
@@ -194,6 +199,21 @@ def _derivatives(G: FloatArray, s: FloatArray, y: FloatArray, disc: float) -> tu
 
 
 @numba.njit(cache=True, error_model="numpy")
+def _downhill(G: FloatArray, h: FloatArray, y: FloatArray, dy: FloatArray, slope: float, disc: float) -> float:
+    """Step 1, 1/2, 1/4, ... that lowers the barrier by a tenth of what its slope promises; 0 if there is none."""
+    s, step = np.empty(h.size), 1.0
+    _slacks(G, h, y, s)
+    value = _barrier(s, y, disc)
+    while step > 1e-12:
+        trial = y + step * dy
+        _slacks(G, h, trial, s)
+        if _barrier(s, trial, disc) <= value + 0.1 * step * slope:
+            return step
+        step *= 0.5
+    return 0.0
+
+
+@numba.njit(cache=True, error_model="numpy")
 def analytic_centre(G: FloatArray, h: FloatArray, start: FloatArray, disc: float) -> tuple[FloatArray, int]:
     """Minimise -Σ log(h - Gᵀ y) - log(disc² - y₂² - y₃²) by Newton's method, from a point strictly inside.
 
@@ -208,21 +228,17 @@ def analytic_centre(G: FloatArray, h: FloatArray, start: FloatArray, disc: float
     """
     y, s = start.copy(), np.empty(h.size)
     _slacks(G, h, y, s)
-    value = _barrier(s, y, disc)
+    last = np.inf
     for _ in range(200):
         gradient, H = _derivatives(G, s, y, disc)
         dy = -_solve(_factor(H), gradient)
-        decrement, step = -_dot(gradient, dy), 1.0
-        if decrement <= 1e-18:
+        decrement = -_dot(gradient, dy)
+        if decrement <= 1e-18 or (decrement < 1e-6 and decrement > 0.25 * last):
             return y, SOLVED
-        while step > 1e-12:
-            trial = y + step * dy
-            _slacks(G, h, trial, s)
-            trial_value = _barrier(s, trial, disc)
-            if trial_value <= value - 0.1 * step * decrement + 1e-14 * abs(value):
-                break
-            step *= 0.5
-        if step <= 1e-12:
-            return y, SOLVED if decrement <= 1e-9 else STALLED
-        y, value = trial, trial_value
+        step = 1.0 if decrement < _FULL_STEPS else _downhill(G, h, y, dy, -decrement, disc)
+        if step == 0.0:
+            return y, STALLED
+        y += step * dy
+        _slacks(G, h, y, s)
+        last = decrement
     return y, STALLED

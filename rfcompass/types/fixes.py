@@ -8,14 +8,16 @@ from rfcompass.types.record import Record
 
 @dataclass(frozen=True, slots=True)
 class TagFix(Record):
-    """Position of one tag in the antenna frame, with the confidence box of [Boroushaki2023], section 4.2.
+    """Position of one tag in the antenna frame, with a box that says how sure the method is.
 
     Attributes:
         epc: EPC of the tag.
         point_m: Estimated position [m], shape (3,).
-        box_m: Extent along x, y, z of the region whose power exceeds 0.84 of the peak [m], shape (3,).
-        confident: True if the box is smaller than its threshold along every axis and not clipped.
-        clipped: True if that region touches the border of the search volume, so that its extent is a lower bound.
+        box_m: Extent along x, y, z [m], shape (3,): for SAR of the region whose power exceeds 0.84 of the peak
+            [Boroushaki2023], section 4.2; for the hyperbolic fit ± 4 standard deviations.
+        confident: True if the box is smaller than its threshold along every axis and not clipped: no other place
+            is left by the reads. Says nothing about the bias of reflections.
+        clipped: True if the box touches the border of the search volume, so that its extent is a lower bound.
         method: Name of the method, for example `"sar"`.
         residual_rad: Root mean square phase residual at the fix [rad]; None where a method has none.
     """

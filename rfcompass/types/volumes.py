@@ -41,3 +41,8 @@ class SearchVolume(Record):
     def contains(self, points_m: FloatArray) -> BoolArray:
         """True for each point inside or on the border; points (P, 3) [m] in the volume's frame."""
         return np.asarray(((points_m >= self.lower_m) & (points_m <= self.upper_m)).all(axis=1))
+
+    def at_border(self, point_m: FloatArray, tolerance_m: float = 1e-3) -> bool:
+        """True if a point [m], shape (3,), lies on the border along an axis that is searched, or within tolerance."""
+        room_m = np.minimum(point_m - self.lower_m, self.upper_m - point_m)
+        return bool((room_m[self.free_axes] <= tolerance_m).any())
