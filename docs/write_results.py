@@ -1,77 +1,83 @@
-"""Rewrite the results table of the README from study runs and a benchmark: `make results`.
+"""Rewrite the results of the README from study runs and a benchmark: `make results`.
 
-Usage: python docs/write_results.py RUNS_FOLDER. Reads RUNS/measured-survey, RUNS/measured-proximity and RUNS/bench.json;
-what is not there is left out, and the table says so.
+Usage: python docs/write_results.py RUNS. Reads RUNS/measured-survey, RUNS/measured-proximity and RUNS/bench.json. The
+full tables, with every interval and what differs, are the reports in the run folders.
 """
 
 import json
 import sys
 from pathlib import Path
 
-from rfcompass.errors import StudyError
 from rfcompass.studies.folder import read_rows
 from rfcompass.studies.registry import study
-from rfcompass.studies.summary import SummaryRow, summarise
+from rfcompass.studies.summary import summarise
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 BEGIN, END = "<!-- results -->", "<!-- /results -->"
-SURVEY = [("x_error_m", "median", "error along the path, median"), ("plane_error_m", "median", "error in the plane, median"),
-          ("x_order", "share", "tag pairs in the right order")]
-PROXIMITY = [("correct", "share", "comparisons that are right"), ("correct_far", "share", "right for gaps of 20 cm and more")]
-HEAD = ("| what | ours | 95 % interval | other | what differs | reads | command |", "|---|---:|---:|---:|---|---|---|")
 
 
-def shown(row: SummaryRow, name: str) -> list[str]:
-    """Value, interval, the other's value and what differs, in the unit of the report."""
-    metric = study(name).metric(row.metric)
-    unit = f" {metric.unit}" if metric.unit else ""
-    low, high = (row.interval.low, row.interval.high) if row.interval else (None, None)
-    other = "–" if row.paper is None else f"{metric.shown(row.paper.value)}{unit}"
-    differs = "" if row.paper is None else f"pilot study: {row.paper.differs}"
-    return [f"{metric.shown(row.value)}{unit}", f"{metric.shown(low)} … {metric.shown(high)}", other, differs]
-
-
-def study_lines(runs: Path, name: str, factor: str, values: tuple[str, ...], wanted: list[tuple[str, str, str]]) -> list[str]:
-    """One line for each family, value of the factor, and wanted summary."""
-    chosen = study(name)
-    try:
-        rows = summarise(chosen, read_rows(runs / name, chosen))
-    except StudyError as error:
-        return [f"| {chosen.title}: not run ({error.kind}) | | | | | | `rfcompass study run {name}` |"]
-    lines = []
-    for row in rows:
-        title = {(metric, summary): title for metric, summary, title in wanted}.get((row.metric, row.summary))
-        if title is None or row.cell[factor] not in values or row.value is None:
+def cells(runs, name, factor):
+    """Text of each summary by (family, value of the factor, metric, summary): ours (interval), other's."""
+    chosen, found = study(name), {}
+    for row in summarise(chosen, read_rows(runs / name, chosen)):
+        metric = chosen.metric(row.metric)
+        if row.value is None:
             continue
-        what = f"{row.cell['family']}, {row.cell[factor]}: {title} (n = {row.n})"
-        lines.append(f"| {what} | " + " | ".join(shown(row, name)) + f" | {chosen.kind} | `rfcompass study run {name}` |")
-    return lines
+        text = f"{metric.shown(row.value)}"
+        if row.interval is not None:
+            text += f" ({metric.shown(row.interval.low)} … {metric.shown(row.interval.high)})"
+        if row.paper is not None:
+            text += f"; {metric.shown(row.paper.value)}"
+        found[row.cell["family"], row.cell[factor], row.metric, row.summary] = (text, row.n)
+    return found
 
 
-def bench_lines(runs: Path) -> list[str]:
+def survey_table(runs):
+    """One line for each set and method."""
+    found = cells(runs, "measured-survey", "method")
+    yield "| measured sweeps | method | along the path, median cm | in the plane, median cm | pairs in order, % |"
+    yield "|---|---|---|---|---|"
+    for family, method in dict.fromkeys((key[0], key[1]) for key in found):
+        row = [found.get((family, method, *what)) for what in
+               (("x_error_m", "median"), ("plane_error_m", "median"), ("x_order", "share"))]
+        yield f"| {family}, {row[0][1]} tags | {method} | " + " | ".join("–" if c is None else c[0] for c in row) + " |"
+
+
+def proximity_table(runs):
+    """One line for each set."""
+    found = cells(runs, "measured-proximity", "meter")
+    meters = ("auto", "phase_l1", "phase_dtw", "pinit_dtw")
+    yield "| measured sweeps | " + " | ".join(f"`{meter}`, %" for meter in meters) + " | `auto`, gaps of 20 cm and more, % |"
+    yield "|---|" + "---|" * (len(meters) + 1)
+    for family in dict.fromkeys(key[0] for key in found):
+        row = [found[family, meter, "correct", "share"][0] for meter in meters]
+        far, n = found[family, "auto", "correct_far", "share"][0], found[family, "auto", "correct", "share"][1]
+        yield f"| {family}, {n} questions | " + " | ".join([*row, far]) + " |"
+
+
+def bench_table(runs):
     """One line for each timing."""
-    file = runs / "bench.json"
-    if not file.is_file():
-        return ["| timings: not run | | | | | | `rfcompass bench` |"]
-    timings = json.loads(file.read_text(encoding="utf-8"))["timings"]
-    return [
-        f"| {t['name']} | {1e3 * t['ours_s']:.3g} ms | | {1e3 * t['peer_s']:.3g} ms ({t['peer']}) | "
-        f"{t['ratio']:.0f} times faster | computed | `rfcompass bench` |"
-        for t in timings
-    ]
+    yield "| computed on one thread | ours | peer | ratio |"
+    yield "|---|---:|---|---:|"
+    for t in json.loads((runs / "bench.json").read_text(encoding="utf-8"))["timings"]:
+        yield f"| {t['name']} | {1e3 * t['ours_s']:.3g} ms | {t['peer']}: {1e3 * t['peer_s']:.4g} ms | {t['ratio']:.0f} |"
 
 
-def main(runs: Path) -> None:
+def main(runs):
     """Replace what stands between the two markers."""
-    lines = [
-        *HEAD,
-        *study_lines(runs, "measured-survey", "method", ("hyperbolic", "sar"), SURVEY),
-        *study_lines(runs, "measured-proximity", "meter", ("auto", "phase_l1", "pinit_dtw"), PROXIMITY),
-        *bench_lines(runs),
+    parts = [
+        "**Where are the tags?** `rfcompass study run measured-survey`: ours (95 % interval); a pilot study on all public\n"
+        "sweeps of the set, with one channel for `hyperbolic`.",
+        "\n".join(survey_table(runs)),
+        "**Which of two tags is nearer?** `rfcompass study run measured-proximity`: share of right answers (95 % interval);\n"
+        "the pilot study. `pinit_dtw` is the papers' reading, literally; 50 % is a coin.",
+        "\n".join(proximity_table(runs)),
+        "**How fast?** `rfcompass bench`, ours and the peer's in one run.",
+        "\n".join(bench_table(runs)),
     ]
     text = README.read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    README.write_text(before + BEGIN + "\n\n" + "\n".join(lines) + "\n\n" + END + after, encoding="utf-8")
+    README.write_text(before + BEGIN + "\n\n" + "\n\n".join(parts) + "\n\n" + END + after, encoding="utf-8")
 
 
 if __name__ == "__main__":

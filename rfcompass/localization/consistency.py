@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rfcompass.arrays import BoolArray, FloatArray
+from rfcompass.arrays import BoolArray, FloatArray, IntArray
 from rfcompass.errors import SolverFailed
 from rfcompass.interfaces import ProximityMeter
 from rfcompass.localization.compared_stop import ComparedStop, compared_stops
@@ -18,8 +18,7 @@ from rfcompass.types.comparisons import HalfSpaces
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.observation import Observation
 
-_MAX_POSES = 4096  # middles of best boxes that are kept
-_MAX_CELLS = 64  # best cells that are measured
+_MAX_CELLS = 64  # cells that tie for the best and are measured
 _FIRM = 0.5  # ours: mean resultant length below which θ is reported as not observable
 
 
@@ -41,7 +40,7 @@ class ConsistencyLocalizer:
             would both hold.
         leaf_m: Side of the smallest box [m].
         leaf_rad: Its extent in θ [rad].
-        max_nodes: Boxes to look at; if that does not suffice, `gap` says what is left open.
+        max_boxes: Boxes to keep; if that does not suffice, `gap` says what is left open.
         bounds_m: Where the centre may lie, newest base frame [[xmin, xmax], [ymin, ymax]] [m]; 3 m about all
             anchors if None.
         max_motions: Length of the window in stops.
@@ -52,7 +51,7 @@ class ConsistencyLocalizer:
     margin_m: float = 1e-3
     leaf_m: float = 2.5e-3
     leaf_rad: float = np.radians(0.75)
-    max_nodes: int = 400_000
+    max_boxes: int = 400_000
     bounds_m: FloatArray | None = None
     max_motions: int = MAX_MOTIONS
     max_travel_m: float = MAX_TRAVEL_M
@@ -82,18 +81,17 @@ class ConsistencyLocalizer:
         problem = build_partition(stops, bounds_m=self.bounds_m, transitive_reduction=False)
         G = signed_distances(problem, self.margin_m)
         leaf = np.array([self.leaf_m / 2.0, self.leaf_m / 2.0, self.leaf_rad / 2.0])
-        poses = np.zeros((_MAX_POSES, 3))
-        best, bound, _, nodes = search(G, problem.bounds_m, leaf, 0, self.max_nodes, poses)
-        best, _, found, more_nodes = search(G, problem.bounds_m, leaf, best, self.max_nodes, poses)
-        cells = best_cells(problem, rows_met(G, poses[:found]))
+        poses = np.zeros((_MAX_CELLS, 3))
+        best, bound, found, boxes = search(G, _fingerprints(len(G)), problem.bounds_m, leaf, self.max_boxes, poses)
+        cells = [cell_of(problem, met) for met in rows_met(G, poses[:found])]
         union = unite(cells)
         z, theta_rad = _centroid(union)
         verdict = judge(stops, z, theta_rad)
         return PoseFit(
             z, theta_rad, verdict.relaxed, verdict.met, verdict.total, union.region_m,
-            None if theta_rad is None else union.theta_interval_rad, union.covariance, verdict.broken,
+            None if theta_rad is None else union.theta_interval_rad, _covariance(union, theta_rad), verdict.broken,
             gap=int(bound - best),
-            diagnostics={"best": int(best), "cells": len(cells), "nodes": int(nodes + more_nodes)},
+            diagnostics={"best": int(best), "cells": len(cells), "boxes": int(boxes)},
         )  # fmt: skip
 
 
@@ -125,22 +123,20 @@ def rows_met(G: FloatArray, poses: FloatArray) -> BoolArray:
     return np.asarray(z @ G[:, :4].T <= G[:, 4])
 
 
-def best_cells(problem: PartitionProblem, met: BoolArray) -> list[PoseSet]:
-    """Measure the cells in which poses lie: all poses that meet the same rows.
+def cell_of(problem: PartitionProblem, met: BoolArray) -> PoseSet:
+    """Measure a cell: all poses that meet the rows which one pose meets.
 
     Args:
         problem: All rows.
-        met: Which rows each pose meets, shape (P, M).
-
-    Returns:
-        One pose set for each different cell, the most often hit ones if there are too many.
+        met: Which of them the pose meets, shape (M,).
     """
-    _, first, hits = np.unique(np.packbits(met, axis=1), axis=0, return_index=True, return_counts=True)
-    cells = []
-    for chosen in met[first[np.argsort(-hits, kind="stable")]][:_MAX_CELLS]:
-        rows = HalfSpaces(problem.rows.A[chosen], problem.rows.b[chosen], problem.rows.provenance[chosen])
-        cells.append(pose_set(PartitionProblem(rows, problem.bounds_m)))
-    return cells
+    rows = HalfSpaces(problem.rows.A[met], problem.rows.b[met], problem.rows.provenance[met])
+    return pose_set(PartitionProblem(rows, problem.bounds_m))
+
+
+def _fingerprints(rows: int) -> IntArray:
+    """A number for each row, so that different sets of rows have different sums, shape (M,)."""
+    return np.random.default_rng(0).integers(-(2**62), 2**62, rows)
 
 
 def _centroid(union: PoseSet) -> tuple[FloatArray, float | None]:
@@ -151,3 +147,11 @@ def _centroid(union: PoseSet) -> tuple[FloatArray, float | None]:
     if z.size == 2 or np.hypot(*z[2:]) < _FIRM:
         return z[:2], None
     return z, float(np.arctan2(z[3], z[2]))
+
+
+def _covariance(union: PoseSet, theta_rad: float | None) -> FloatArray | None:
+    """Covariance of (x0, y0, θ), with NaN for θ where it is not reported."""
+    covariance = union.covariance
+    if covariance is not None and theta_rad is None:
+        covariance[2] = covariance[:, 2] = np.nan
+    return covariance

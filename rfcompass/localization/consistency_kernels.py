@@ -4,12 +4,13 @@ Every row is one comparison as a signed distance, in metres, that must not be po
 
     v(x, y, θ) = n · [x, y] + g₂ cos θ + g₃ sin θ - β,      |n| = 1.
 
-Over a box of poses, centre ± half, v differs from its value in the middle by at most
+Over a box of poses, middle ± half, v differs from its value in the middle by at most
 
     |n_x| half_x + |n_y| half_y + |g'(θ)| half_θ + |g| half_θ² / 2.
 
 So each row is met everywhere in the box, met nowhere, or open. No pose of the box meets more rows than are met
-everywhere or open: that is the bound. A box keeps only its open rows for its children.
+everywhere or open: the box's bound. The box with the highest bound is halved next, so that no box is halved
+whose bound lies below the best pose; among equals, the newest.
 """
 
 from typing import NamedTuple
@@ -19,33 +20,40 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray, IntArray
 
-_MAX_WAITING = 128  # boxes that wait at the same time: two for each halving on the way down
 
-
-class _Stack(NamedTuple):
-    """Boxes still to be searched, the next one last."""
+class _Queue(NamedTuple):
+    """Boxes by their bound: for each bound a chain of boxes, the newest first."""
 
     boxes: FloatArray  # middle (x, y, θ) and half sizes, shape (S, 6)
-    tally: IntArray  # rows met everywhere, rows that are open, rows met in the middle, shape (S, 3)
-    open_rows: IntArray  # which rows are open, shape (S, M)
+    behind: IntArray  # next box of the chain, -1 at its end, shape (S,)
+    first: IntArray  # first box for each bound, -1 if there is none, shape (M + 1,)
+    size: IntArray  # how many boxes were ever put in, shape (1,)
+
+
+class _Best(NamedTuple):
+    """The most rows met so far, and one pose for each different set of rows that reaches it."""
+
+    met: IntArray  # shape (1,)
+    found: IntArray  # number of poses, shape (1,)
+    poses: FloatArray  # shape (P, 3)
+    keys: IntArray  # fingerprint of each pose's set of rows, shape (P,)
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _judge(G: FloatArray, rows: IntArray, box: FloatArray, open_rows: IntArray) -> tuple[int, int, int]:
-    """Count rows met everywhere, open rows (listed in `open_rows`), and rows met in the middle of the box."""
+def _judge(G: FloatArray, prints: IntArray, box: FloatArray) -> tuple[int, int, int, int]:
+    """Bound of a box, number of open rows, rows met in the middle, and the fingerprint of these."""
     c, s = np.cos(box[2]), np.sin(box[2])
-    everywhere, still_open, middle = 0, 0, 0
-    for m in rows:
+    bound, still_open, middle, key = 0, 0, 0, 0
+    for m in range(G.shape[0]):
         value = G[m, 0] * box[0] + G[m, 1] * box[1] + G[m, 2] * c + G[m, 3] * s - G[m, 4]
         turn = abs(G[m, 3] * c - G[m, 2] * s) + 0.5 * G[m, 5] * box[5]
         reach = abs(G[m, 0]) * box[3] + abs(G[m, 1]) * box[4] + turn * box[5]
-        middle += value <= 0.0
-        if value + reach <= 0.0:
-            everywhere += 1
-        elif value - reach <= 0.0:
-            open_rows[still_open] = m
-            still_open += 1
-    return everywhere, still_open, middle
+        if value <= 0.0:
+            middle += 1
+            key += prints[m]
+        bound += value <= reach
+        still_open += abs(value) < reach
+    return bound, still_open, middle, key
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -60,84 +68,86 @@ def _widest(box: FloatArray, leaf: FloatArray, lever: float) -> int:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _roots(G: FloatArray, bounds: FloatArray) -> _Stack:
-    """Boxes that cover all poses: the whole rectangle, with the circle cut into ranges of θ if any row names θ."""
-    M, count = G.shape[0], 16 if G[:, 5].max() > 0.0 else 1
-    size = count + _MAX_WAITING
-    stack = _Stack(np.zeros((size, 6)), np.zeros((size, 3), dtype=np.int64), np.zeros((size, M), dtype=np.int64))
+def _record(best: _Best, pose: FloatArray, met: int, key: int) -> None:
+    """Remember a pose that meets more rows than any before, or as many but others."""
+    if met > best.met[0]:
+        best.met[0], best.found[0] = met, 0
+    if met < best.met[0] or best.found[0] == len(best.poses):
+        return
+    for known in range(best.found[0]):
+        if best.keys[known] == key:
+            return
+    best.poses[best.found[0]] = pose
+    best.keys[best.found[0]] = key
+    best.found[0] += 1
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _put(G: FloatArray, prints: IntArray, box: FloatArray, queue: _Queue, best: _Best) -> None:
+    """Judge a box and put it in the queue, unless nothing in it can compete or nothing in it is open."""
+    bound, still_open, middle, key = _judge(G, prints, box)
+    _record(best, box[:3], middle, key)
+    if bound >= best.met[0] and still_open > 0:
+        slot = queue.size[0]
+        queue.boxes[slot] = box
+        queue.behind[slot] = queue.first[bound]
+        queue.first[bound] = slot
+        queue.size[0] += 1
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _put_roots(G: FloatArray, prints: IntArray, bounds: FloatArray, queue: _Queue, best: _Best) -> None:
+    """Cover all poses: the whole rectangle, with the circle cut into ranges of θ if any row names θ."""
+    count, box = 16 if G[:, 5].max() > 0.0 else 1, np.zeros(6)
+    box[:2] = (bounds[:, 0] + bounds[:, 1]) / 2.0
+    box[3:5] = (bounds[:, 1] - bounds[:, 0]) / 2.0
+    box[5] = np.pi / count if count > 1 else 0.0
     for r in range(count):
-        box = stack.boxes[r]
-        box[:2] = (bounds[:, 0] + bounds[:, 1]) / 2.0
-        box[3:5] = (bounds[:, 1] - bounds[:, 0]) / 2.0
-        if count > 1:
-            box[2] = (2 * r + 1) * np.pi / count - np.pi
-            box[5] = np.pi / count
-        stack.tally[r] = _judge(G, np.arange(M), box, stack.open_rows[r])
-    return stack
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _swap(stack: _Stack, top: int) -> None:
-    """Exchange boxes `top` and `top + 1`."""
-    box, tally, rows = stack.boxes[top].copy(), stack.tally[top].copy(), stack.open_rows[top].copy()
-    stack.boxes[top] = stack.boxes[top + 1]
-    stack.tally[top] = stack.tally[top + 1]
-    stack.open_rows[top] = stack.open_rows[top + 1]
-    stack.boxes[top + 1], stack.tally[top + 1], stack.open_rows[top + 1] = box, tally, rows
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _halve(G: FloatArray, stack: _Stack, top: int, axis: int) -> None:
-    """Replace box `top` by its halves, at `top` and `top + 1`; the one that may meet more rows comes last."""
-    boxes, tally = stack.boxes, stack.tally
-    rows, sure = stack.open_rows[top, : tally[top, 1]].copy(), tally[top, 0]
-    boxes[top, 3 + axis] /= 2.0
-    boxes[top + 1] = boxes[top]
-    boxes[top, axis] -= boxes[top, 3 + axis]
-    boxes[top + 1, axis] += boxes[top + 1, 3 + axis]
-    for half in range(top, top + 2):
-        everywhere, still_open, middle = _judge(G, rows, boxes[half], stack.open_rows[half])
-        tally[half, 0], tally[half, 1], tally[half, 2] = sure + everywhere, still_open, sure + middle
-    if tally[top, 2] > tally[top + 1, 2]:
-        _swap(stack, top)
+        box[2] = (2 * r + 1) * np.pi / count - np.pi if count > 1 else 0.0
+        _put(G, prints, box, queue, best)
 
 
 @numba.njit(cache=True, error_model="numpy")
 def search(
-    G: FloatArray, bounds: FloatArray, leaf: FloatArray, best: int, max_nodes: int, poses: FloatArray
+    G: FloatArray, prints: IntArray, bounds: FloatArray, leaf: FloatArray, max_boxes: int, poses: FloatArray
 ) -> tuple[int, int, int, int]:
-    """Find poses that meet the most rows, depth first.
+    """Find poses that meet the most rows: one for each different set of rows that reaches the maximum.
 
     Args:
         G: Rows [n_x, n_y, g₂, g₃, β, |g|], shape (M, 6).
+        prints: A random number for each row; their sum over the rows that a pose meets tells sets apart, shape (M,).
         bounds: Where the centre may lie [[xmin, xmax], [ymin, ymax]] [m], shape (2, 2).
         leaf: Half sizes (x, y, θ) of a box that is not halved any more [m, m, rad], shape (3,).
-        best: Number of rows that a pose is known to meet, 0 if none is. Boxes that can only equal the best are
-            searched if it is known, so that ties are found.
-        max_nodes: Boxes to look at before giving up.
-        poses: Filled with poses (x, y, θ) that meet the most rows, shape (P, 3).
+        max_boxes: Boxes to keep before giving up, at least 64.
+        poses: Filled with poses (x, y, θ), shape (P, 3).
 
     Returns:
-        Largest number met, a bound on it that no pose exceeds, how many poses were filled in, boxes looked at.
+        Largest number met, a bound on it that no pose exceeds, how many poses were filled in, boxes kept.
     """
-    needed, lever = 0 if best > 0 else 1, G[:, 5].max()
-    stack = _roots(G, bounds)
-    bound, found, nodes, top = best, 0, 0, 16 if lever > 0.0 else 1
-    while top > 0:
-        top -= 1
-        everywhere, still_open, middle = stack.tally[top]
-        if everywhere + still_open < best + needed:
+    M, lever = G.shape[0], G[:, 5].max()
+    one = np.zeros(1, dtype=np.int64)
+    behind = np.empty(max_boxes, dtype=np.int64)
+    queue = _Queue(np.empty((max_boxes, 6)), behind, np.full(M + 1, -1), one)
+    best = _Best(one.copy(), one.copy(), poses, np.zeros(len(poses), dtype=np.int64))
+    _put_roots(G, prints, bounds, queue, best)
+    highest, bound = M, 0
+    while highest >= best.met[0]:
+        slot = queue.first[highest]
+        if slot < 0:
+            highest -= 1
             continue
-        if middle > best:
-            best, found = middle, 0
-        if middle == best and found < len(poses):
-            poses[found] = stack.boxes[top, :3]
-            found += 1
-        axis = _widest(stack.boxes[top], leaf, lever) if still_open else -1
-        if axis < 0 or nodes >= max_nodes:
-            bound = max(bound, everywhere + still_open)
+        queue.first[highest] = queue.behind[slot]
+        box = queue.boxes[slot].copy()
+        axis = _widest(box, leaf, lever)
+        if axis < 0:
+            bound = max(bound, highest)
             continue
-        _halve(G, stack, top, axis)
-        nodes += 2
-        top += 2
-    return best, max(bound, best), found, nodes
+        if queue.size[0] + 2 > max_boxes:
+            bound = max(bound, highest)
+            break
+        box[3 + axis] /= 2.0
+        box[axis] -= box[3 + axis]
+        _put(G, prints, box, queue, best)
+        box[axis] += 2.0 * box[3 + axis]
+        _put(G, prints, box, queue, best)
+    return best.met[0], max(bound, best.met[0]), best.found[0], queue.size[0]

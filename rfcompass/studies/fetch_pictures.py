@@ -59,6 +59,6 @@ def draw_scene(task: FetchTask, steps: Sequence[JudgedStep], path: Path) -> None
     layout = steps[-1].step.observation.part
     scene.draw_estimate(estimate, base, task.part, layout.points_m)
     target = base.apply(estimate.centre_m)
-    look = Pose2(0.0, 0.0, base.theta_rad).apply(np.array([0.9, -1.3]))
-    scene.look_at(np.array([*target, 0.1]), np.array([*look, 0.9]))
+    look = Pose2(0.0, 0.0, base.theta_rad).apply(np.array([0.5, -0.8]))
+    scene.look_at(np.array([*target, 0.1]), np.array([*look, 0.5]))
     write_scene(path, scene.window, f"Fetch of {task.part.part_id}")

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
-from compared_scenes import random_stops
+from compared_scenes import distances, leg_points, random_stops
 from scipy.optimize import linprog
 
+from rfcompass.geometry import Pose2
 from rfcompass.localization import partition_kernels as kernels
+from rfcompass.localization.compared_stop import ComparedStop
+from rfcompass.localization.comparing import compare_proximities
 from rfcompass.localization.problem import build_partition
 from rfcompass.localization.scaled_rows import scale_rows
 
@@ -30,6 +33,36 @@ def test_the_largest_ball_is_the_one_of_highs(size):
         )
         assert status == kernels.SOLVED
         assert abs(radius + reference.fun) < 1e-8
+
+
+def open_cells(count):
+    """Cells of a small robot and a part metres away: wedges that only the bounds close, or that are empty."""
+    rng = np.random.default_rng(1)
+    anchors_m = np.column_stack([rng.uniform(-0.3, 0.3, (6, 2)), rng.uniform(0.0, 0.2, 6)])
+    for _ in range(count):
+        truth = Pose2(*rng.uniform(-6, 6, 2), rng.uniform(-np.pi, np.pi))
+        stops = []
+        for pose in (Pose2(*rng.uniform(-0.5, 0.5, 2), rng.uniform(-0.5, 0.5)), Pose2()):
+            m = distances(anchors_m, leg_points(2), pose.inverse() @ truth)
+            noisy = np.abs(m + 0.02 * rng.normal(size=m.shape))
+            stops.append(ComparedStop(anchors_m, leg_points(2), compare_proximities(noisy), pose))
+        for epsilon in (0.0, 0.05):
+            bounds_m = np.array([[-10.0, 10.0], [-10.0, 10.0]])
+            if any(stop.comparisons.used_at(epsilon).any() for stop in stops):
+                yield scale_rows(build_partition(stops, epsilon=epsilon, bounds_m=bounds_m))
+
+
+def test_open_and_empty_cells_far_away_are_solved_too():
+    """Without a lower bound on the radius the solver loses its way in such cells."""
+    radii = []
+    for scaled in open_cells(60):
+        G, h = scaled.with_polygon()
+        _, radius, status = kernels.chebyshev(np.ascontiguousarray(G.T), h, 1e-9)
+        reference = linprog([0, 0, 0, 0, -1.0], np.column_stack([G, np.ones(h.size)]), h, bounds=(None, None))
+        assert status == kernels.SOLVED
+        assert abs(radius + reference.fun) < 1e-7
+        radii.append(radius)
+    assert min(radii) < 0.0 < max(radii)
 
 
 def test_the_radius_of_contradicting_rows_is_negative():
