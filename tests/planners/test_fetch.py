@@ -1,0 +1,101 @@
+"""The closed loop: half the way each time, then the hand over the part; and it ends in a typed way."""
+
+import numpy as np
+import pytest
+
+from planners.fetch import Fetch, FetchRules
+from rfcompass.errors import Infeasible, OutOfReach
+from rfcompass.geometry import Pose2
+from rfcompass.interfaces import MobileManipulator, Scanner
+from rfcompass.recordings import PartDatabase
+from rfcompass.robots import YouBot
+from rfcompass.simulation import PlaneRoom, RoomNoise, SimulatedRobot
+from rfcompass.types import PartEstimate
+
+ROBOT = YouBot()
+LEG = PartDatabase(":memory:").part("table_leg_3")
+IDEAL = RoomNoise(distance_sigma=0.0, slip_m=0.0, slip_rad=0.0)
+
+
+def a_device(x_m=3.0, y_m=1.0, theta_rad=0.7):
+    room = PlaneRoom(T_room_base=Pose2(), T_room_part=Pose2(x_m, y_m, theta_rad))
+    rng = np.random.default_rng(0)
+    return SimulatedRobot(ROBOT, LEG, LEG.layout(4), room, rng, ROBOT.posture("scan").joints, IDEAL)
+
+
+class Clairvoyant:
+    """Stands in for a localizer: says where the part is, so that only the loop is tested."""
+
+    def __init__(self, device, knows_theta=True):
+        self.device, self.knows_theta = device, knows_theta
+
+    def estimate(self, observations):
+        pose = self.device.true_pose_in_base()
+        theta_rad = pose.theta_rad if self.knows_theta else None
+        return PartEstimate(LEG.part_id, pose.translation_m, theta_rad, "told", len(observations))
+
+
+def a_fetch(device, localizer, **rules):
+    return Fetch(ROBOT, device, localizer, ROBOT.posture("scan"), FetchRules(**rules))
+
+
+def test_the_simulated_robot_stands_behind_the_protocols_of_a_real_one():
+    assert isinstance(a_device(), Scanner)
+    assert isinstance(a_device(), MobileManipulator)
+
+
+def test_each_move_halves_the_distance():
+    device = a_device()
+    steps = [step for step in a_fetch(device, Clairvoyant(device)).steps() if step.phase == "navigate"]
+    distances_m = [step.estimate.distance_m for step in steps]
+    assert np.allclose(distances_m[1:], np.array(distances_m[:-1]) / 2, atol=1e-9)
+    assert [step.in_reach for step in steps] == [False] * (len(steps) - 1) + [True]
+
+
+def test_a_step_is_never_longer_than_the_rules_allow():
+    device = a_device(5.5, 0.0)
+    steps = list(a_fetch(device, Clairvoyant(device), max_step_m=1.0).steps())
+    bases = [step.configuration.base.translation_m for step in steps if step.phase == "navigate"]
+    assert np.linalg.norm(np.diff(bases, axis=0), axis=1).max() <= 1.0 + 1e-9
+
+
+@pytest.mark.parametrize("theta_rad", [-2.5, -0.4, 0.0, 1.1, 3.0])
+def test_the_last_stops_have_the_part_under_the_hand_and_across_the_base(theta_rad):
+    device = a_device(2.0, -1.0, theta_rad)
+    rules = FetchRules()
+    last = [step for step in a_fetch(device, Clairvoyant(device)).steps() if step.phase == "localise"]
+    assert len(last) == len(rules.hand_sweep)
+    for step in last:
+        assert np.allclose(step.estimate.centre_m, rules.hand_point_m, atol=1e-6)
+        assert abs(np.cos(step.estimate.theta_rad)) < 1e-6
+
+
+def test_a_part_whose_turn_is_unknown_is_faced():
+    device = a_device(2.0, -1.0)
+    last = [s for s in a_fetch(device, Clairvoyant(device, knows_theta=False)).steps() if s.phase == "localise"]
+    assert np.allclose(last[-1].estimate.centre_m, FetchRules().hand_point_m, atol=1e-6)
+
+
+def test_the_hand_visits_different_places():
+    device = a_device(1.0, 0.0)
+    last = [step for step in a_fetch(device, Clairvoyant(device)).steps() if step.phase == "localise"]
+    hands_m = np.array([step.observation.anchors.points_m[0] for step in last])
+    gaps_m = np.linalg.norm(hands_m[:, None] - hands_m[None], axis=2)[np.triu_indices(len(hands_m), 1)]
+    assert gaps_m.min() > 0.03
+
+
+def test_a_part_that_stays_away_ends_the_loop():
+    device = a_device(40.0, 0.0)
+    with pytest.raises(OutOfReach) as caught:
+        list(a_fetch(device, Clairvoyant(device), max_moves=3).steps())
+    assert caught.value.numbers["moves"] == 3
+
+
+def test_a_localizer_without_an_answer_ends_the_loop_and_the_stop_is_named():
+    class Mute:
+        def estimate(self, observations):
+            raise Infeasible("contradicting rows", rows=3)
+
+    with pytest.raises(Infeasible) as caught:
+        list(a_fetch(a_device(), Mute()).steps())
+    assert caught.value.numbers == {"rows": 3, "stop": 0, "phase": "navigate"}
