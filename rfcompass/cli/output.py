@@ -39,8 +39,13 @@ def answering(as_json: bool) -> Iterator[None]:
         messages().print(f"[bold red]{error.kind}[/]: ", end="")
         messages().print(error.message, markup=False)
         if as_json:
-            print_json({"failure": {"kind": error.kind, "message": error.message, **error.numbers}})
+            print_json(failure_json(error))
         raise typer.Exit(code) from error
+
+
+def failure_json(error: RfCompassError) -> dict[str, Any]:
+    """Return the shape in which a failure is printed and stored."""
+    return {"failure": {"kind": error.kind, "message": error.message, **error.numbers}}
 
 
 def print_json(answer: Mapping[str, Any]) -> None:

@@ -100,7 +100,7 @@ def _newton_step(G: FloatArray, L: FloatArray, residual: FloatArray, W: FloatArr
     return dy
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, fastmath=_SUMS | {"nnan", "nsz"}, error_model="numpy")
 def _longest_step(value: FloatArray, change: FloatArray) -> float:
     """Longest step in [0, 1] that keeps value + step · change >= 0."""
     steepest = 1.0

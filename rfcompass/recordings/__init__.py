@@ -6,7 +6,7 @@ from rfcompass.recordings.importers import IMPORTERS, importer
 from rfcompass.recordings.meta_json import SCHEMA
 from rfcompass.recordings.parts import PartCollection, PartDatabase, part_from_mesh, read_parts, write_parts
 from rfcompass.recordings.read_table import reads_table
-from rfcompass.recordings.run_folder import VIEW_FILE, Run, is_run, write_run
+from rfcompass.recordings.run_folder import VIEW_FILE, Run, check_target, is_run, write_run
 from rfcompass.recordings.stops import Stops
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
@@ -28,6 +28,7 @@ __all__ = [
     "TraceMeta",
     "TraceQuality",
     "TraceTag",
+    "check_target",
     "import_adarf",
     "importer",
     "is_run",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rfcompass.errors import TagNeverHeard, TraceError
+from rfcompass.errors import JointLimitError, TagNeverHeard, TraceError
 from rfcompass.geometry.pose2 import as_pose2
 from rfcompass.recordings.stops import STOPS_FILE, Stops
 from rfcompass.types.observation import Observation
@@ -33,6 +33,7 @@ def observations(
 
     Raises:
         TraceError: If the trace has no stops, or they name joints that the robot does not have.
+        JointLimitError: If a joint value lies outside the robot's limits; carries `stop`.
         TagNeverHeard: If no tag of the part occurs in the trace.
     """
     if trace.stops is None:
@@ -67,9 +68,14 @@ def _observation(trace: "Trace", stops: Stops, row: int, robot: "Robot", part: P
     stop_id = int(stops.stop_ids[row])
     base = as_pose2(stops.base_poses[row])
     joints = dict(zip(stops.joint_names, stops.joints[row].tolist(), strict=True))
+    configuration = robot.configuration(joints, base)
+    try:
+        robot.check_limits(configuration)
+    except JointLimitError as error:
+        raise error.with_numbers(stop=stop_id) from error
     return Observation(
         stop_id=stop_id,
-        anchors=robot.tag_positions(robot.configuration(joints, base)),
+        anchors=robot.tag_positions(configuration),
         part=layout,
         part_tag_heights_m=layout.points_m[:, 2] + part.resting_height_m,
         scan=trace.scan(stop_id),

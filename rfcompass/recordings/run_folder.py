@@ -66,14 +66,25 @@ def write_run(run: Run, path: str | Path, *, overwrite: bool = False) -> None:
         TraceError: If something is there that must not be replaced, or the disk refuses; carries `path`.
     """
     target = Path(path).resolve()
+    check_target(target, overwrite=overwrite)
     try:
-        if target.exists() and not (target.is_dir() and (not any(target.iterdir()) or (overwrite and is_run(target)))):
-            what = "a run; overwriting was not asked for" if is_run(target) else "something else than a run"
-            raise TraceError(f"{target}: holds {what}", path=str(target))
         with atomic_folder(target) as folder:
             _write(run, folder)
     except OSError as cause:
         raise TraceError(f"{target}: cannot be written: {cause}", path=str(target)) from cause
+
+
+def check_target(path: str | Path, *, overwrite: bool) -> None:
+    """Accept a place for a run folder: nothing there, an empty folder, or a run that may be replaced.
+
+    Raises:
+        TraceError: If something is there that must not be replaced; carries `path`.
+    """
+    target = Path(path)
+    if not target.exists() or (target.is_dir() and (not any(target.iterdir()) or (overwrite and is_run(target)))):
+        return
+    what = "a run; overwriting was not asked for" if is_run(target) else "something else than a run"
+    raise TraceError(f"{target}: holds {what}", path=str(target))
 
 
 def _write(run: Run, folder: Path) -> None:

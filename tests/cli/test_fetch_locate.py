@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from rfcompass.errors import OutOfReach
 from rfcompass.recordings import open_trace
 
 
@@ -91,3 +92,16 @@ def test_locate_needs_a_trace_with_a_robot_and_a_part_that_was_heard(run, sweep,
     assert (ran.code, ran.json["failure"]["kind"]) == (2, "TraceError")
     ran = run("locate", fetched / "trace", "--part", "table_leg_1", "--database", ":memory:", "--json")
     assert (ran.code, ran.json["failure"]["kind"]) == (1, "TagNeverHeard")
+
+
+def test_a_fetch_that_fails_keeps_what_it_heard(run, tmp_path, monkeypatch):
+    def out_of_reach(*arguments):
+        raise OutOfReach("the hand cannot get there", miss_m=0.1)
+
+    monkeypatch.setattr("planners.fetch.hand_over", out_of_reach)
+    folder = tmp_path / "run"
+    ran = run("fetch", "table_leg_3", "--seed", 3, "--out", folder, "--database", ":memory:", "--json")
+    assert ran.code == 1
+    assert ran.json == json.loads((folder / "estimate.json").read_text())
+    assert ran.json["failure"]["kind"] == "OutOfReach"
+    assert len(open_trace(folder / "trace").stop_ids) >= 1
