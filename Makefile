@@ -13,6 +13,7 @@ CHECKED := $(SOURCES) tests benchmarks examples
 
 demo: $(VENV)/.core  ## write a small synthetic trace and survey it
 	$(BIN)/python examples/00_survey_a_sweep.py
+	@echo "next: source $(BIN)/activate, then rfcompass survey runs/00_survey/trace, or rfcompass fetch table_leg_3"
 
 test: check  ## everything that CI runs
 	$(BIN)/pytest --cov --cov-report=term
@@ -38,6 +39,7 @@ results: $(VENV)/.test  ## the README's table; needs RFCOMPASS_MEASURED_DATA
 
 $(VENV)/.python:
 	@test -n "$(PYTHON)" || { echo "rfcompass needs Python 3.11, 3.12 or 3.13 with venv and pip" >&2; exit 1; }
+	@echo "making an environment in $(VENV); the first time this takes two or three minutes"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
 	@touch $@

@@ -35,7 +35,7 @@ def cells(runs, name, factor):
 def survey_table(runs):
     """One line for each set and method."""
     found = cells(runs, "measured-survey", "method")
-    yield "| measured sweeps | method | along the path, median cm | in the plane, median cm | pairs in order, % |"
+    yield "| measured sweeps | method | along the path, median cm: ours; pilot | in the plane, median cm: ours; pilot | pairs in order, %: ours; pilot |"
     yield "|---|---|---|---|---|"
     for family, method in dict.fromkeys((key[0], key[1]) for key in found):
         row = [found.get((family, method, *what)) for what in
@@ -47,7 +47,7 @@ def proximity_table(runs):
     """One line for each set."""
     found = cells(runs, "measured-proximity", "meter")
     meters = ("auto", "phase_l1", "phase_dtw", "pinit_dtw")
-    yield "| measured sweeps | " + " | ".join(f"`{meter}`, %" for meter in meters) + " | `auto`, gaps of 20 cm and more, % |"
+    yield "| measured sweeps | " + " | ".join(f"`{meter}`, %: ours; pilot" for meter in meters) + " | `auto`, gaps of 20 cm and more, % |"
     yield "|---|" + "---|" * (len(meters) + 1)
     for family in dict.fromkeys(key[0] for key in found):
         row = [found[family, meter, "correct", "share"][0] for meter in meters]
@@ -60,14 +60,14 @@ def bench_table(runs):
     yield "| computed on one thread | ours | peer | ratio |"
     yield "|---|---:|---|---:|"
     for t in json.loads((runs / "bench.json").read_text(encoding="utf-8"))["timings"]:
-        yield f"| {t['name']} | {1e3 * t['ours_s']:.3g} ms | {t['peer']}: {1e3 * t['peer_s']:.4g} ms | {t['ratio']:.0f} |"
+        yield f"| {t['name']} | {1e3 * t['ours_s']:,.2f} ms | {t['peer']}: {1e3 * t['peer_s']:,.1f} ms | {t['ratio']:.0f} |"
 
 
 def main(runs):
     """Replace what stands between the two markers."""
     parts = [
-        "**Where are the tags?** `rfcompass study run measured-survey`: ours (95 % interval); a pilot study on all public\n"
-        "sweeps of the set, with one channel for `hyperbolic`.",
+        "**Where are the tags?** `rfcompass study run measured-survey`: ours (95 % interval); our own unpublished pilot\n"
+        "study on all public sweeps of the set, with one channel for `hyperbolic`.",
         "\n".join(survey_table(runs)),
         "**Which of two tags is nearer?** `rfcompass study run measured-proximity`: share of right answers (95 % interval);\n"
         "the pilot study. `pinit_dtw` is the papers' reading, literally; 50 % is a coin.",

@@ -27,7 +27,7 @@ from rfcompass.types.observation import Observation
 # Where the hand works best on the youBot, base frame [m], and the poses of the hand around it: x, y [m] and the
 # heading of the jaws [rad]. Ours; chosen for unequal radii and directions, all within reach of the arm.
 HAND_POINT_M = (0.42, 0.0)
-HAND_SWEEP = ((0.0, 0.0, 0.0), (-0.08, -0.14, np.pi / 3), (-0.06, 0.14, -np.pi / 3), (-0.12, 0.0, np.pi / 2))
+HAND_SWEEP = ((0.0, 0.0, 0.0), (-0.02, -0.12, np.pi / 3), (0.02, 0.12, -np.pi / 3), (0.03, 0.0, np.pi / 2))
 
 
 class Device(Scanner, MobileManipulator, Protocol):
@@ -44,6 +44,8 @@ class FetchRules:
         hand_point_m: Where the part's centre should lie for the final stops, base frame [m].
         hand_height_m: Height of the tool over the floor at the final stops [m].
         hand_sweep: Offsets x, y [m] from `hand_point_m` and jaw heading [rad] of the final stops.
+        lined_up_m: How far from `hand_point_m` the estimated centre may lie at the first final stop [m].
+        max_line_ups: Base moves for lining up.
         max_step_m: Longest single drive [m]; the paper's window holds 2 m of travel.
     """
 
@@ -52,6 +54,8 @@ class FetchRules:
     hand_point_m: tuple[float, float] = HAND_POINT_M
     hand_height_m: float = 0.10
     hand_sweep: Sequence[tuple[float, float, float]] = HAND_SWEEP
+    lined_up_m: float = 0.05
+    max_line_ups: int = 3
     max_step_m: float = 2.0
 
 
@@ -103,8 +107,9 @@ class Fetch:
         """
         self._joints = self.start.joints
         step = yield from self._navigate()
-        self._line_up(step.estimate)
-        yield from self._localise()
+        yield from self._line_up(step.estimate)
+        for place in self.rules.hand_sweep[1:]:
+            yield self._hand_stop(*place)
 
     def _navigate(self) -> Generator[FetchStep, None, FetchStep]:
         for _ in range(self.rules.max_moves + 1):
@@ -117,14 +122,23 @@ class Fetch:
         message = f"the part is {D:.2f} m away after {self.rules.max_moves} moves"
         raise OutOfReach(message, distance_m=D, moves=self.rules.max_moves)
 
-    def _localise(self) -> Iterator[FetchStep]:
-        x, y = self.rules.hand_point_m
-        for dx, dy, yaw_rad in self.rules.hand_sweep:
-            point_m = np.array([x + dx, y + dy, self.rules.hand_height_m])
-            here = self.robot.configuration(self._joints)
-            self._joints = hand_over(self.robot, here, point_m, yaw_rad).joints
-            self.device.move_arm(self._joints)
-            yield self._stop("localise")
+    def _line_up(self, estimate: PartEstimate) -> Iterator[FetchStep]:
+        """Drive until the hand is over the part at the first place of the sweep, as far as one can tell."""
+        for _ in range(self.rules.max_line_ups):
+            self.device.move_base(self._under_the_hand(estimate))
+            step = self._hand_stop(*self.rules.hand_sweep[0])
+            yield step
+            estimate = step.estimate
+            if np.linalg.norm(estimate.centre_m - self.rules.hand_point_m) <= self.rules.lined_up_m:
+                return
+
+    def _hand_stop(self, dx_m: float, dy_m: float, yaw_rad: float) -> FetchStep:
+        """Move the hand to a place of the sweep and stop there."""
+        x_m, y_m = self.rules.hand_point_m
+        point_m = np.array([x_m + dx_m, y_m + dy_m, self.rules.hand_height_m])
+        self._joints = hand_over(self.robot, self.robot.configuration(self._joints), point_m, yaw_rad).joints
+        self.device.move_arm(self._joints)
+        return self._stop("localise")
 
     def _stop(self, phase: str) -> FetchStep:
         observation = self.device.scan()
@@ -137,7 +151,10 @@ class Fetch:
         return FetchStep(phase, observation, configuration, estimate, self._in_reach(observation, estimate))
 
     def _in_reach(self, observation: Observation, estimate: PartEstimate) -> bool:
-        """Near by the estimate and by what the tags say: comparisons alone hardly see the distance of a far part."""
+        """Near by the estimate and by what the tags say: comparisons alone hardly see the distance of a far part.
+
+        Where a scan brings no ready-made proximities the estimate decides alone.
+        """
         if estimate.distance_m > self.rules.reach_m:
             return False
         matrix = observation.proximity
@@ -147,12 +164,11 @@ class Fetch:
         """Drive D/2 in the direction φ of the part and face it [Wang2013], section 4.2.B."""
         return next_goal(estimate, min(0.5, self.rules.max_step_m / estimate.distance_m))
 
-    def _line_up(self, estimate: PartEstimate) -> None:
-        """Drive so that the part's centre lies under the hand, its long side across the base if θ is known."""
+    def _under_the_hand(self, estimate: PartEstimate) -> Pose2:
+        """Where to drive so that the part's centre lies under the hand, its long side across the base if θ is known."""
         turn = estimate.bearing_rad
         if estimate.theta_rad is not None:
             across = estimate.theta_rad - np.pi / 2.0
             turn = float((across + np.pi / 2.0) % np.pi - np.pi / 2.0)  # half a turn of the part is no difference
-        heading = Pose2(0.0, 0.0, turn)
-        x_m, y_m = estimate.centre_m - heading.apply(np.array(self.rules.hand_point_m))
-        self.device.move_base(Pose2(x_m, y_m, turn))
+        x_m, y_m = estimate.centre_m - Pose2(0.0, 0.0, turn).apply(np.array(self.rules.hand_point_m))
+        return Pose2(x_m, y_m, turn)

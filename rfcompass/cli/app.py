@@ -21,10 +21,11 @@ from rfcompass.cli.view import view
 
 app = typer.Typer(
     name="rfcompass",
-    help="RFID-guided manipulation: locate tags and tagged parts, plan and carry out their grasp.",
+    help="Find tags, and parts that carry them, with a robot that carries tags itself.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     add_completion=False,
+    rich_markup_mode=None,  # brackets in a help text are brackets
 )
 app.command("fetch")(fetch)
 app.command("locate")(locate)

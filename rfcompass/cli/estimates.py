@@ -25,7 +25,7 @@ def localizer(estimator: Estimator, meter_kind: str = "auto") -> "Localizer":
     from rfcompass.rf import meter
 
     if estimator is Estimator.PARTITION:
-        return PartitionLocalizer(meter=meter(meter_kind))
+        return PartitionLocalizer(centre="centroid", meter=meter(meter_kind))
     return ConsistencyLocalizer(meter=meter(meter_kind))
 
 

@@ -19,7 +19,7 @@ def fetch(
     seed: Annotated[int, typer.Option(min=0, help="Start poses and all noise follow from it.")] = 0,
     tags: Annotated[int, typer.Option(min=1, help="Number of tags on the part.")] = 4,
     estimator: Annotated[Estimator, typer.Option(help="How to find the part.")] = Estimator.PARTITION,
-    robot: Annotated[str, typer.Option(help="Robot name or file.")] = "youbot",
+    robot: Annotated[str, typer.Option(help="Robot that has a posture 'scan', by name or file.")] = "youbot",
     sigma: Annotated[float, typer.Option(min=0.0, help="Noise of the proximities: deviation of log m.")] = 0.05,
     out: Annotated[Path | None, typer.Option(help="Run folder; by default runs/fetch-PART-SEED.")] = None,
     overwrite: Annotated[bool, typer.Option(help="Replace a run that is already there.")] = False,
@@ -52,10 +52,11 @@ def fetch(
             messages().print(f"run folder: {target}; look at {target / 'view.html'}", markup=False)
         if failure is not None:
             raise failure
+        last = steps[-1]
+        messages().print(f"found {part}: {one_line(last.step.estimate)}, base frame of the last stop", markup=False)
         if show:
             webbrowser.open((target / "view.html").resolve().as_uri())
         if as_json:
-            last = steps[-1]
             error = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
             answer = estimate_json(last.step.estimate, "noisy_distance")
             print_json({**answer, "run": str(target), "stops_made": len(steps), "simulated_error": error})

@@ -1,12 +1,15 @@
 """`rfcompass locate TRACE`: the part's pose from a recorded scan with robot tags."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_line
 from rfcompass.cli.output import JsonFlag, answering, print_json
+
+if TYPE_CHECKING:
+    from rfcompass.types.observation import Observation
 
 
 def locate(
@@ -26,14 +29,25 @@ def locate(
     with answering(as_json):
         opened = open_trace(trace)
         name = robot or opened.meta.robot
+        if opened.stops is None:
+            raise TraceError(f"{trace}: has no stops.csv: no robot carried tags; try survey", file="stops.csv")
         if name is None:
             raise TraceError(f"{trace}: does not say which robot carried the tags; use --robot", file="meta.json")
         with PartDatabase(database) as parts:
             wanted = parts.part(part)
         observations = opened.observations(load_robot(name, opened.meta.tag_layout), wanted)
         estimate = localizer(estimator, proximity).estimate(observations)
-        used = observations[-1].proximity
         if as_json:
-            print_json(estimate_json(estimate, proximity if used is None else used.kind))
+            print_json(estimate_json(estimate, _kind_used(observations[-1], proximity)))
         else:
-            typer.echo(f"{part}: {one_line(estimate)}  ({estimate.method}, {estimate.stops} stops)")
+            where = f"base frame of stop {observations[-1].stop_id}"
+            typer.echo(f"{part}: {one_line(estimate)}  ({where}; {estimate.method} of {estimate.stops} stops)")
+
+
+def _kind_used(newest: "Observation", asked: str) -> str:
+    """Which meter spoke: `auto` takes another one, and ready-made proximities bring their own."""
+    from rfcompass.rf import meter
+
+    if newest.proximity is not None:
+        return newest.proximity.kind
+    return meter(asked).measure(newest.scan, targets=newest.part.epcs, anchors=newest.anchors.epcs).kind

@@ -11,16 +11,28 @@ from rfcompass.cli.output import JsonFlag, answering, print_json
 
 
 def partition(
-    file: Annotated[Path, typer.Argument(help="Problem as JSON; see the shapes below.")],
+    file: Annotated[Path, typer.Argument(help="Problem as JSON, in one of the two shapes above.")],
     method: Annotated[Estimator, typer.Option(help="Convex program, or most comparisons met.")] = Estimator.PARTITION,
     as_json: JsonFlag = False,
 ) -> None:
-    """Find a part from comparisons alone.
+    r"""Find a part from comparisons alone.
 
-    FILE holds {"anchors_m": [[x,y,z]...], "part_points_m": [[x,y,z]...], "comparisons": [{"target": k, "nearer": i,
-    "farther": j, "margin": 0.1}...]} for one stop, or {"part_points_m": ..., "stops": [{"pose": [x,y,theta],
-    "anchors_m": ..., "comparisons": ...}...]} for several; a pose is that stop's base frame in the last stop's frame.
-    "bounds_m": [[xmin,xmax],[ymin,ymax]] bounds the centre. Indices count from 0; margins may be left out.
+    For one stop, FILE holds
+
+    \b
+      {"anchors_m": [[x, y, z], ...],        robot tags, base frame
+       "part_points_m": [[x, y, z], ...],    x, y in the part frame, z the height over the base frame
+       "comparisons": [{"target": k, "nearer": i, "farther": j, "margin": 0.1}, ...],
+       "bounds_m": [[xmin, xmax], [ymin, ymax]]}
+
+    and for several
+
+    \b
+      {"part_points_m": ..., "bounds_m": ...,
+       "stops": [{"pose": [x, y, theta], "anchors_m": ..., "comparisons": ...}, ...]}
+
+    with each pose that stop's base frame in the last stop's, so that the last pose is [0, 0, 0]. Metres and radians;
+    indices count from 0; "margin" and "bounds_m" may be left out.
     """
     from rfcompass.errors import InputError
     from rfcompass.localization import answer_partition

@@ -25,6 +25,7 @@ from rfcompass.recordings.trace_store import write_trace
 RUN_FILE, EVENTS_FILE, ESTIMATE_FILE, SAMPLES_FILE, VIEW_FILE = (
     "run.json", "events.jsonl", "estimate.json", "samples.npz", "view.html",
 )  # fmt: skip
+TRACE_FOLDER = "trace"
 RUN_SCHEMA = "rfcompass-run/1"
 
 
@@ -50,8 +51,19 @@ class Run:
 
 
 def is_run(path: Path) -> bool:
-    """True if a folder holds a run."""
-    return (path / RUN_FILE).is_file()
+    """True if a folder holds a run: a `run.json` of our schema, and nothing that a run does not leave."""
+    if not (path / RUN_FILE).is_file() or any(not _left_by_a_run(entry.name) for entry in path.iterdir()):
+        return False
+    try:
+        described = json.loads((path / RUN_FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(described, dict) and described.get("schema") == RUN_SCHEMA
+
+
+def _left_by_a_run(name: str) -> bool:
+    known = (RUN_FILE, EVENTS_FILE, ESTIMATE_FILE, SAMPLES_FILE, VIEW_FILE, TRACE_FOLDER)
+    return name in known or name.endswith(".png")
 
 
 def write_run(run: Run, path: str | Path, *, overwrite: bool = False) -> None:
@@ -91,7 +103,7 @@ def _write(run: Run, folder: Path) -> None:
     (folder / RUN_FILE).write_text(_json({"schema": RUN_SCHEMA, **run.asked}, indent=2), encoding="utf-8")
     (folder / EVENTS_FILE).write_text("".join(map(_json, run.events)), encoding="utf-8")
     (folder / ESTIMATE_FILE).write_text(_json(run.estimate, indent=2), encoding="utf-8")
-    write_trace(run.trace, folder / "trace")
+    write_trace(run.trace, folder / TRACE_FOLDER)
     if len(run.samples):
         np.savez(folder / SAMPLES_FILE, samples=run.samples)
     for name, write in run.pictures.items():

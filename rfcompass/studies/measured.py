@@ -35,7 +35,7 @@ FAMILIES = {
 }
 MAX_SWEEPS = 500
 FAR_GAP_M = 0.20
-PILOT = "pilot study, all public sweeps of the set"
+PILOT = "our own pilot study on all public sweeps of the set, unpublished"
 
 
 def data_folder() -> Path:

@@ -1,4 +1,4 @@
-"""The report of a study: ours, the paper's, the interval and what differs, as Markdown and as one HTML file."""
+"""The report of a study: ours, the interval, a reference and what differs, as Markdown and as one HTML page."""
 
 import base64
 import html
@@ -34,8 +34,19 @@ figcaption, footer { color: #555; font-size: .85rem; }
 }
 """
 
-_OUR_COLUMNS = ("metric", "unit", "n", "failed", "ours", "95 % interval", "paper's", "source", "what differs", "data")
-_NUMBERS = frozenset({"n", "failed", "ours", "95 % interval", "paper's"})
+_OUR_COLUMNS = (
+    "metric",
+    "unit",
+    "n",
+    "failed",
+    "ours",
+    "95 % interval",
+    "reference",
+    "source",
+    "what differs",
+    "data",
+)
+_NUMBERS = frozenset({"n", "failed", "ours", "95 % interval", "reference"})
 
 
 def markdown_table(study: Study, rows: Sequence[SummaryRow]) -> str:

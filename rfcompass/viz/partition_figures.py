@@ -53,7 +53,8 @@ def draw_partition(
     axes.set_aspect("equal")
     axes.set_xlabel("x in base [m]")
     axes.set_ylabel("y in base [m]")
-    axes.set_title(f"{len(rows)} comparisons, {len(anchors)} stops", loc="left")
+    stops = "one stop" if len(anchors) == 1 else f"the last {len(anchors)} stops"
+    axes.set_title(f"{len(rows)} comparisons of {stops}", loc="left")
     axes.legend(loc="upper left", frameon=True)
     return figure
 
@@ -75,7 +76,7 @@ def _draw_lines(axes: Axes, A: FloatArray, b: FloatArray, bounds_m: FloatArray) 
             continue
         foot = centre + (offset - normal @ centre) / length**2 * normal
         along = np.array([-normal[1], normal[0]]) / length * reach
-        axes.plot(*np.array([foot - along, foot + along]).T, color=LINE_COLOUR, lw=0.5, zorder=1)
+        axes.plot(*np.array([foot - along, foot + along]).T, color=LINE_COLOUR, lw=0.4, alpha=0.5, zorder=1)
 
 
 def _draw_part(axes: Axes, estimate: PartEstimate, part: TagLayout, length_m: float) -> None:

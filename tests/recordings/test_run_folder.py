@@ -56,6 +56,22 @@ def test_what_is_no_run_is_never_replaced(tmp_path):
     assert (tmp_path / "thesis/chapter.tex").read_text() == "precious"
 
 
+@pytest.mark.parametrize("described", ["{}", "[]", "no json", '{"schema": "other/1"}'])
+def test_a_run_json_of_somebody_else_makes_no_run(tmp_path, described):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/run.json").write_text(described)
+    with pytest.raises(TraceError, match="something else"):
+        write_run(a_run(), tmp_path / "mine", overwrite=True)
+
+
+def test_a_run_to_which_something_was_added_is_not_replaced(tmp_path):
+    write_run(a_run(), tmp_path / "run")
+    (tmp_path / "run/notes.txt").write_text("precious")
+    with pytest.raises(TraceError, match="something else"):
+        write_run(a_run(), tmp_path / "run", overwrite=True)
+    assert (tmp_path / "run/notes.txt").read_text() == "precious"
+
+
 def test_a_failure_leaves_nothing_behind(tmp_path):
     def fail(path):
         raise RuntimeError

@@ -56,12 +56,12 @@ def split(line):
 
 def test_the_markdown_table_puts_ours_beside_the_papers(rows):
     lines = [split(line) for line in markdown_table(toy_study(), rows).splitlines()]
-    assert lines[0][-8:] == ["n", "failed", "ours", "95 % interval", "paper's", "source", "what differs", "data"]
+    assert lines[0][-8:] == ["n", "failed", "ours", "95 % interval", "reference", "source", "what differs", "data"]
     assert {len(line) for line in lines} == {len(lines[0])}
     first = dict(zip(lines[0], lines[2], strict=True))
     assert first["metric"] == "error, median"
     assert first["ours"] == f"{100 * rows[0].value:.1f}"
-    assert (first["paper's"], first["what differs"]) == ("2.0", "another | room")
+    assert (first["reference"], first["what differs"]) == ("2.0", "another | room")
     assert first["data"] == "simulated"
 
 
