@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rfcompass.arrays import BoolArray, FloatArray, IntArray
-from rfcompass.errors import SolverFailed
+from rfcompass.errors import InputError, SolverFailed
 from rfcompass.interfaces import ProximityMeter
 from rfcompass.localization.compared_stop import ComparedStop, compared_stops
 from rfcompass.localization.consistency_kernels import search
@@ -19,6 +19,7 @@ from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.observation import Observation
 
 _MAX_CELLS = 64  # cells that tie for the best and are measured
+_FEWEST_BOXES = 64  # the search starts with 16
 _FIRM = 0.5  # ours: mean resultant length below which θ is reported as not observable
 
 
@@ -29,7 +30,8 @@ class ConsistencyLocalizer:
     The paper rejects outliers "by seeking a solution that agrees with most of the constraints", and flips ten
     per cent of them to test it. ε cannot do that: flipped comparisons have no small margin. Here a branch and
     bound over (x0, y0, θ) looks for the pose that meets the most. All poses that meet the same comparisons are
-    one cell; cells that tie for the best are kept together, and the estimate is their centroid.
+    one cell; cells that tie for the best are kept together as the region, and the estimate is their centroid, or
+    that of the largest cell where the common one lies between cells and meets fewer comparisons than they do.
 
     What is proven: no pose meets more than `gap` comparisons beyond `best`, both counted with the margin below.
     A cell smaller than a leaf can be missed; then `gap` is above 0.
@@ -75,9 +77,12 @@ class ConsistencyLocalizer:
         """Find the pose from comparisons; the stops are taken as they are, without a window.
 
         Raises:
+            InputError: If `max_boxes` is below 64.
             Infeasible: If there is no comparison.
             SolverFailed: If the best cells are too thin to measure.
         """
+        if self.max_boxes < _FEWEST_BOXES:
+            raise InputError(f"max_boxes = {self.max_boxes} is below {_FEWEST_BOXES}", max_boxes=self.max_boxes)
         problem = build_partition(stops, bounds_m=self.bounds_m, transitive_reduction=False)
         G = signed_distances(problem, self.margin_m)
         leaf = np.array([self.leaf_m / 2.0, self.leaf_m / 2.0, self.leaf_rad / 2.0])
@@ -87,6 +92,9 @@ class ConsistencyLocalizer:
         union = unite(cells)
         z, theta_rad = _centroid(union)
         verdict = judge(stops, z, theta_rad)
+        if verdict.met < best:  # between cells that lie apart
+            z, theta_rad = _centroid(max(cells, key=lambda cell: cell.volume))
+            verdict = judge(stops, z, theta_rad)
         return PoseFit(
             z, theta_rad, verdict.relaxed, verdict.met, verdict.total, union.region_m,
             None if theta_rad is None else union.theta_interval_rad, _covariance(union, theta_rad), verdict.broken,

@@ -40,8 +40,8 @@ class PartitionLocalizer:
         max_motions: Length of the window in stops.
         max_travel_m: Length of the window along the base's path [m].
         meter: Measures proximities where an observation does not bring its own.
-        extra_constraints: Further convex constraints on z, with `solver="cvxpy"`. The drawn region, the interval
-            of θ and the covariance do not know of them.
+        extra_constraints: Further convex constraints on z, of four unknowns or, for a far part, two, with
+            `solver="cvxpy"`. The drawn region, the interval of θ and the covariance do not know of them.
 
     Deviations:
         Heights of the tags are used; comparisons that follow from others are left out; the centre is bounded and
@@ -97,11 +97,15 @@ class PartitionLocalizer:
     def _reject_outliers(self, stops: Sequence[ComparedStop]) -> tuple[PartitionProblem, PartitionSolution]:
         """Raise ε until the rows agree [Wang2013], section 4.3.A."""
         have_margins = any(np.isfinite(stop.comparisons.margin).any() for stop in stops)
-        for epsilon in self._schedule() if have_margins else [0.0]:
-            problem = self._build(stops, epsilon)
+        problem, epsilon = self._build(stops, 0.0), 0.0
+        solution = self._solve(problem)
+        for larger in self._schedule()[1:] if have_margins else []:
+            if solution.feasible or not any(stop.comparisons.used_at(larger).any() for stop in stops):
+                break
+            problem, epsilon = self._build(stops, larger), larger
             solution = self._solve(problem)
-            if solution.feasible:
-                return problem, solution
+        if solution.feasible:
+            return problem, solution
         why = f"up to ε = {epsilon:.2f}" if have_margins else "and carry no margins by which ε could choose"
         raise Infeasible(
             f"{len(problem.rows)} comparisons contradict each other, {why}; "
@@ -119,7 +123,7 @@ class PartitionLocalizer:
         if problem.unknowns == 2:
             return None
         at_one_point = self._build(stops, problem.epsilon, as_object=True)
-        solution = solve_partition(at_one_point, centre=self.centre, solver="fast")
+        solution = self._solve(at_one_point)
         return (at_one_point, solution) if solution.feasible else None
 
     def _schedule(self) -> list[float]:

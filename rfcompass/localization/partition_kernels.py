@@ -15,7 +15,7 @@ SOLVED, STALLED = 0, 1
 _SUMS = {"reassoc", "contract"}  # lets sums run in vector registers; NaN keep their meaning
 _RIDGE = 1e-15  # of the trace; keeps the factor of a nearly singular normal matrix from turning into NaN
 _FULL_STEPS = 0.05  # squared Newton decrement below which full steps converge (a barrier is self-concordant)
-_S, _DUAL, _TARGET, _DS, _D_DUAL, _WORK = range(6)  # rows of the work array W, shape (6, M)
+_S, _DUAL, _TARGET, _DS, _D_DUAL, _WORK, _INVERSE = range(7)  # rows of the work array W, shape (7, M)
 
 
 @numba.njit(cache=True, fastmath=_SUMS, error_model="numpy")
@@ -88,15 +88,15 @@ def _solve(L: FloatArray, rhs: FloatArray) -> FloatArray:
 @numba.njit(cache=True, fastmath=_SUMS, error_model="numpy")
 def _newton_step(G: FloatArray, L: FloatArray, residual: FloatArray, W: FloatArray) -> FloatArray:
     """Step dy, ds, d_dual with Gᵀ dy + ds = 0, G d_dual = residual and s d_dual + dual ds = target."""
-    s, dual, target, ds, d_dual, work = W[_S], W[_DUAL], W[_TARGET], W[_DS], W[_D_DUAL], W[_WORK]
-    M = s.size
+    dual, target, ds, d_dual, work, inverse = W[_DUAL], W[_TARGET], W[_DS], W[_D_DUAL], W[_WORK], W[_INVERSE]
+    M = dual.size
     for m in range(M):
-        work[m] = target[m] / s[m]
+        work[m] = target[m] * inverse[m]
         ds[m] = 0.0
     dy = _solve(L, residual - _combine(G, work))
     _slacks(G, ds, dy, ds)
     for m in range(M):
-        d_dual[m] = work[m] - dual[m] * ds[m] / s[m]
+        d_dual[m] = work[m] - dual[m] * ds[m] * inverse[m]
     return dy
 
 
@@ -109,16 +109,41 @@ def _longest_step(value: FloatArray, change: FloatArray) -> float:
     return 1.0 / steepest
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, fastmath=_SUMS, error_model="numpy")
+def _first_target(W: FloatArray) -> None:
+    """Aim at s · dual = 0; also stores 1 / s, and the weights dual / s of the normal matrix."""
+    s, dual, target, work, inverse = W[_S], W[_DUAL], W[_TARGET], W[_WORK], W[_INVERSE]
+    for m in range(s.size):
+        inverse[m] = 1.0 / s[m]
+        work[m] = dual[m] * inverse[m]
+        target[m] = -s[m] * dual[m]
+
+
+@numba.njit(cache=True, fastmath=_SUMS, error_model="numpy")
 def _second_target(W: FloatArray, gap: float) -> None:
     """Mehrotra's corrector: how far to centre is judged by how far the pure Newton step would come.
 
     The second-order term is damped where that step is short; undamped, the iteration can cycle.
     """
-    s, dual, ds, d_dual = W[_S], W[_DUAL], W[_DS], W[_D_DUAL]
+    s, dual, ds, d_dual, target = W[_S], W[_DUAL], W[_DS], W[_D_DUAL], W[_TARGET]
     primal, against = _longest_step(s, ds), _longest_step(dual, d_dual)
-    left = _dot(s + primal * ds, dual + against * d_dual)
-    W[_TARGET] = (left / gap) ** 3 * gap / s.size - s * dual - primal * against * ds * d_dual
+    left = 0.0
+    for m in range(s.size):
+        left += (s[m] + primal * ds[m]) * (dual[m] + against * d_dual[m])
+    aim, damped = (left / gap) ** 3 * gap / s.size, primal * against
+    for m in range(s.size):
+        target[m] = aim - s[m] * dual[m] - damped * ds[m] * d_dual[m]
+
+
+@numba.njit(cache=True, fastmath=_SUMS, error_model="numpy")
+def _advance(W: FloatArray, shorten: float) -> float:
+    """Take the step as far as s and dual stay positive; returns its length for y."""
+    s, dual, ds, d_dual = W[_S], W[_DUAL], W[_DS], W[_D_DUAL]
+    primal, against = shorten * _longest_step(s, ds), shorten * _longest_step(dual, d_dual)
+    for m in range(s.size):
+        s[m] += primal * ds[m]
+        dual[m] += against * d_dual[m]
+    return primal
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -133,7 +158,7 @@ def maximise(
     Returns:
         The optimum to within `tolerance` of c · y, and SOLVED, or STALLED where it was not reached.
     """
-    W, y = np.empty((6, h.size)), start.copy()
+    W, y = np.empty((7, h.size)), start.copy()
     s, dual = W[_S], W[_DUAL]
     _slacks(G, h, y, s)
     dual[:] = 1.0 / s
@@ -143,17 +168,13 @@ def maximise(
         residual, gap = c - _combine(G, dual), _dot(s, dual)
         if gap <= tolerance and np.abs(residual).sum() * last_step <= tolerance:
             return y, SOLVED
-        L = _factor(_gram(G, dual / s))
-        W[_TARGET] = -s * dual
+        _first_target(W)
+        L = _factor(_gram(G, W[_WORK]))
         _newton_step(G, L, residual, W)
         _second_target(W, gap)
         dy = _newton_step(G, L, residual, W)
-        shorten = min(max(0.9, 1.0 - gap), 0.9999)
-        primal = shorten * _longest_step(s, W[_DS])
+        y += _advance(W, min(max(0.9, 1.0 - gap), 0.9999)) * dy
         last_step = np.abs(dy).max()
-        y += primal * dy
-        s += primal * W[_DS]
-        dual += shorten * _longest_step(dual, W[_D_DUAL]) * W[_D_DUAL]
     return y, STALLED
 
 

@@ -95,6 +95,12 @@ def well_positioned(
         The paper does not print its threshold. Ours is k (d + tolerance): d is the distance of hand tag and
         counterpart when the hand is centred over the part and closes across it, and k, the proximity per metre,
         is the median of m_ij / d_ij over all pairs of robot tags, whose distances are known.
+
+        The rule is coarse, because a part that lies askew or aside can be as near to both hand tags. On distances
+        with 1 cm of noise, the nine default tags, K = 4 and the hand 14 cm above the part's tags, it stops in
+        about nine of ten cases where the part is centred to 1 cm and aligned to 3 degrees, falsely in eight of
+        ten where the centre is 2.5 to 5 cm off in any direction and the part lies at any angle, in four of ten at 5
+        to 10 cm, and in one of a hundred at 10 to 25 cm. Confirm with an estimate.
     """
     hands = _hand_tag(robot, "hand_left"), _hand_tag(robot, "hand_right")
     pair = _counterparts(observation, robot)

@@ -1,12 +1,16 @@
 """Regions for drawing: what the cell of Eq. 8 looks like in the plane, and which orientations it allows."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import SolverFailed
 from rfcompass.geometry.polygons import intersect_half_planes
 from rfcompass.localization import partition_kernels as kernels
-from rfcompass.localization.problem import PartitionProblem
+from rfcompass.localization.compared_stop import ComparedStop
+from rfcompass.localization.problem import PartitionProblem, build_partition
 from rfcompass.localization.scaled_rows import scale_rows
 
 _DIRECTIONS = 64
@@ -37,6 +41,27 @@ def region_polygon(problem: PartitionProblem) -> FloatArray:
     touching = [cell.farthest(np.concatenate([normal, [0.0, 0.0]])) for normal in normals]
     reach = np.array([normal @ point[:2] for normal, point in zip(normals, touching, strict=True)])
     return intersect_half_planes(normals, reach, problem.bounds_m)
+
+
+def tag_region(
+    stops: Sequence[ComparedStop], target: int, *, epsilon: float = 0.0, bounds_m: FloatArray | None = None
+) -> FloatArray:
+    """Where one part tag lies by its own comparisons alone [Wang2013], Eq. 2-4: the white cells of Fig. 6.
+
+    Args:
+        stops: Stops, newest last.
+        target: Index k of the tag.
+        epsilon: Confidence threshold of the comparisons.
+        bounds_m: Where the tag may lie [[xmin, xmax], [ymin, ymax]] [m]; 3 m about all anchors if None.
+
+    Returns:
+        Vertices in the newest base frame [m], counter-clockwise, shape (V, 2); V = 0 if they contradict each other.
+
+    Raises:
+        Infeasible: If the tag has no comparison of this margin.
+    """
+    own = [replace(stop, comparisons=stop.comparisons.take(stop.comparisons.target == target)) for stop in stops]
+    return region_polygon(build_partition(own, epsilon=epsilon, bounds_m=bounds_m, as_object=True))
 
 
 def theta_interval(problem: PartitionProblem, theta_rad: float) -> tuple[float, float]:

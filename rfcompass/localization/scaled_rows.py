@@ -59,6 +59,6 @@ def scale_rows(problem: PartitionProblem) -> ScaledRows:
     scale[2:], middle[:2] = ORIENTATION_SCALE_M, problem.bounds_m.mean(axis=1)
     A, b = problem.all_rows
     G = A / scale
-    length = np.linalg.norm(G, axis=1)
+    length = np.sqrt(np.einsum("mi,mi->m", G, G))
     length[length == 0.0] = 1.0
     return ScaledRows(G / length[:, None], (b - A @ middle) / length, middle, scale)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from compared_scenes import random_observations, random_stops
 
-from rfcompass.errors import Infeasible
+from rfcompass.errors import Infeasible, InputError
 from rfcompass.geometry import polygon_contains
 from rfcompass.localization.compared_stop import ComparedStop
 from rfcompass.localization.consistency import ConsistencyLocalizer
@@ -99,3 +99,27 @@ def test_noise_on_distances_is_survived_from_observations():
         errors_m.append(np.hypot(*(estimate.centre_m - truth.translation_m)))
         assert estimate.covariance.shape == (3, 3)
     assert np.median(errors_m) < 0.05
+
+
+def test_a_search_without_room_is_refused():
+    stops, _ = random_stops(np.random.default_rng(0))
+    with pytest.raises(InputError, match="max_boxes"):
+        ConsistencyLocalizer(max_boxes=10).fit(stops)
+    assert ConsistencyLocalizer(max_boxes=64).fit(stops).gap > 0
+
+
+def test_when_every_comparison_is_wrong_everywhere_all_poses_tie():
+    stop = ComparedStop(
+        [[0.0, 0, 0.1], [0, 0, 0.4], [0.3, 0, 0]], np.zeros((1, 3)), Comparisons([0], [1], [0], [np.nan])
+    )
+    fit = ConsistencyLocalizer().fit([stop])
+    assert fit.diagnostics["best"] == fit.satisfied == 0
+    assert np.allclose(fit.z, [0.15, 0.0])
+
+
+def test_the_answer_does_not_lie_between_cells_that_are_apart():
+    """Two comparisons that hold at opposite ends: the middle would meet neither."""
+    anchors_m = np.array([[0.0, 0, 0], [0.2, 0, 0], [2.0, 0, 0], [2.2, 0, 0]])
+    stop = ComparedStop(anchors_m, np.zeros((1, 3)), Comparisons([0, 0], [0, 3], [1, 2], [np.nan, np.nan]))
+    fit = ConsistencyLocalizer().fit([stop])
+    assert fit.satisfied == fit.diagnostics["best"] == 1

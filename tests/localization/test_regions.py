@@ -11,7 +11,7 @@ from rfcompass.localization.compared_stop import ComparedStop
 from rfcompass.localization.partition_solver import solve_partition
 from rfcompass.localization.pose_set import pose_set
 from rfcompass.localization.problem import build_partition
-from rfcompass.localization.regions import convex_hull, region_polygon, theta_interval
+from rfcompass.localization.regions import convex_hull, region_polygon, tag_region, theta_interval
 
 
 @pytest.mark.parametrize("K", [1, 2, 4])
@@ -23,6 +23,16 @@ def test_the_region_holds_the_true_centre_and_every_centre(K):
         centres = [solve_partition(problem, centre=centre).z[:2] for centre in ("analytic", "chebyshev", "centroid")]
         assert polygon_contains(region, np.array([truth.translation_m, *centres]), 1e-7).all()
         assert polygon_contains(region, pose_set(problem).corners_m, 1e-7).all()
+
+
+def test_each_tag_lies_in_its_own_region():
+    for seed in range(10):
+        stops, truth = random_stops(np.random.default_rng(seed))
+        tags_m = truth.apply(stops[0].part_points_m)[:, :2]
+        bounds_m = np.array([[-2.0, 2.0], [-2.0, 2.0]])
+        for k, tag_m in enumerate(tags_m):
+            cell = tag_region(stops, k, bounds_m=bounds_m)
+            assert polygon_contains(cell, tag_m[None], 1e-9).all()
 
 
 def test_more_comparisons_never_enlarge_region_and_interval():
