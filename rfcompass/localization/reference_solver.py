@@ -17,7 +17,7 @@ from rfcompass.localization.scaled_rows import ScaledRows
 # Takes the cvxpy expression of [x0, y0] or [x0, y0, c, s] (newest base frame, metres), returns cvxpy constraints.
 ExtraConstraints: TypeAlias = Callable[[Any], Sequence[Any]]
 
-_TIGHT = {"tol_gap_abs": 1e-11, "tol_gap_rel": 1e-11, "tol_feas": 1e-11}
+_ROUNDS = ((1e-8, 1.0), (1e-8, 3.0), (1e-10, 1.0), (1e-10, 1.0))  # tolerance and unit of u, for each round
 
 
 def largest_ball(scaled: ScaledRows, extra_constraints: ExtraConstraints | None = None) -> tuple[FloatArray, float]:
@@ -39,7 +39,7 @@ def largest_ball(scaled: ScaledRows, extra_constraints: ExtraConstraints | None 
     y, r = cp.Variable(G.shape[1]), cp.Variable()
     constraints = [G @ y + r <= h, *_extra(scaled, y, extra_constraints)]
     program = cp.Problem(cp.Maximize(r), constraints)
-    if not _is_solved(program):
+    if not _is_solved(program, 1e-10):
         return np.zeros(G.shape[1]), -np.inf
     return np.asarray(y.value), float(r.value)
 
@@ -51,7 +51,9 @@ def analytic_centre(
 
     The program is written in u, with y = near + T u and T Tᵀ the inverse Hessian of the barrier at `near`, the
     disc's taken at its middle, so that the cell has about the size one in every direction and the solver's
-    tolerance is a small part of it.
+    tolerance is a small part of it. It is solved several times, each time about the answer before, and a round in
+    which the solver gives up is passed over: exponential cones come out with three to six digits, and sometimes
+    not at all, which is not enough to judge another solver by.
 
     Args:
         scaled: Rows and bounds.
@@ -64,9 +66,27 @@ def analytic_centre(
     Raises:
         SolverFailed: If the solver stops without a verdict.
     """
-    cp = _cvxpy()
+    failure: SolverFailed | None = None
+    answer: FloatArray | None = None
+    for tolerance, unit in _ROUNDS:
+        try:
+            answer = _analytic_round(scaled, near if answer is None else answer, (tolerance, unit), extra_constraints)
+        except SolverFailed as error:
+            failure = error
+        else:
+            if answer is None:
+                return None
+    if answer is None and failure is not None:
+        raise failure
+    return answer
+
+
+def _analytic_round(
+    scaled: ScaledRows, near: FloatArray, how: tuple[float, float], extra_constraints: ExtraConstraints | None
+) -> FloatArray | None:
+    cp, (tolerance, unit) = _cvxpy(), how
     relative = scaled.G / (scaled.h - scaled.G @ near)[:, None]
-    T = np.linalg.inv(np.linalg.cholesky(relative.T @ relative + _disc_curvature(scaled))).T
+    T = unit * np.linalg.inv(np.linalg.cholesky(relative.T @ relative + _disc_curvature(scaled))).T
     u = cp.Variable(scaled.scale.size)
     y = near + T @ u
     barrier = -cp.sum(cp.log(1.0 - relative @ T @ u))
@@ -74,7 +94,7 @@ def analytic_centre(
         room = 1.0 - cp.sum_squares(y[2:] / scaled.disc)
         barrier -= cp.sum(cp.log(cp.hstack([room])))
     program = cp.Problem(cp.Minimize(barrier), _extra(scaled, y, extra_constraints))
-    return np.asarray(y.value) if _is_solved(program) else None
+    return np.asarray(y.value) if _is_solved(program, tolerance) else None
 
 
 def _disc_curvature(scaled: ScaledRows) -> FloatArray:
@@ -90,7 +110,7 @@ def _extra(scaled: ScaledRows, y: Any, extra: ExtraConstraints | None) -> list[A
     return [] if extra is None else list(extra(scaled.middle + y / scaled.scale))
 
 
-def _is_solved(program: Any) -> bool:  # noqa: ANN401
+def _is_solved(program: Any, tolerance: float) -> bool:  # noqa: ANN401
     """Solve; False if infeasible.
 
     Raises:
@@ -100,7 +120,7 @@ def _is_solved(program: Any) -> bool:  # noqa: ANN401
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # "solution may be inaccurate": the tolerances ask for more than is needed
         try:
-            program.solve(solver=cp.CLARABEL, **_TIGHT)
+            program.solve(solver=cp.CLARABEL, tol_gap_abs=tolerance, tol_gap_rel=tolerance, tol_feas=tolerance)
         except cp.SolverError as error:
             raise SolverFailed(f"cvxpy: {error}", status="solver_error") from error
     if program.status in (cp.INFEASIBLE, cp.INFEASIBLE_INACCURATE):
