@@ -7,6 +7,8 @@ import pytest
 
 from rfcompass.studies.measured import FAMILIES, proximity_trial, survey_trial, sweeps
 
+pytestmark = pytest.mark.slow
+
 # Largest median error along the path and in the plane [m], smallest share of tag pairs in the right order.
 SURVEY_LIMITS = {"D1test": (0.04, 0.12, 0.98), "D2": (0.05, 0.16, 0.88), "D4": (0.05, 0.16, 0.92)}
 # Smallest share of right comparisons, of all and of those with gaps of 20 cm and more.
