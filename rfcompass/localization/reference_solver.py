@@ -17,7 +17,7 @@ from rfcompass.localization.scaled_rows import ScaledRows
 # Takes the cvxpy expression of [x0, y0] or [x0, y0, c, s] (newest base frame, metres), returns cvxpy constraints.
 ExtraConstraints: TypeAlias = Callable[[Any], Sequence[Any]]
 
-_ROUNDS = ((1e-8, 1.0), (1e-8, 3.0), (1e-10, 1.0), (1e-10, 1.0))  # tolerance and unit of u, for each round
+_ROUNDS = ((1e-8, 1.0), (1e-9, 3.0), (1e-11, 1.0), (1e-11, 3.0))  # tolerance and unit of u, for each round
 
 
 def largest_ball(scaled: ScaledRows, extra_constraints: ExtraConstraints | None = None) -> tuple[FloatArray, float]:
@@ -39,7 +39,7 @@ def largest_ball(scaled: ScaledRows, extra_constraints: ExtraConstraints | None 
     y, r = cp.Variable(G.shape[1]), cp.Variable()
     constraints = [G @ y + r <= h, *_extra(scaled, y, extra_constraints)]
     program = cp.Problem(cp.Maximize(r), constraints)
-    if not _is_solved(program, 1e-10):
+    if _solve(program, 1e-10) == "infeasible":
         return np.zeros(G.shape[1]), -np.inf
     return np.asarray(y.value), float(r.value)
 
@@ -51,9 +51,10 @@ def analytic_centre(
 
     The program is written in u, with y = near + T u and T Tᵀ the inverse Hessian of the barrier at `near`, the
     disc's taken at its middle, so that the cell has about the size one in every direction and the solver's
-    tolerance is a small part of it. It is solved several times, each time about the answer before, and a round in
-    which the solver gives up is passed over: exponential cones come out with three to six digits, and sometimes
-    not at all, which is not enough to judge another solver by.
+    tolerance is a small part of it. It is solved several times, each time about the answer before, and rounds in
+    which the solver gives up or calls its own answer inaccurate are passed over if another one succeeds:
+    exponential cones come out with three to six digits, and sometimes not at all, which is not enough to judge
+    another solver by.
 
     Args:
         scaled: Rows and bounds.
@@ -66,24 +67,25 @@ def analytic_centre(
     Raises:
         SolverFailed: If the solver stops without a verdict.
     """
-    failure: SolverFailed | None = None
-    answer: FloatArray | None = None
+    answer, status, failure = near, "", SolverFailed("cvxpy was not asked", status="")
     for tolerance, unit in _ROUNDS:
         try:
-            answer = _analytic_round(scaled, near if answer is None else answer, (tolerance, unit), extra_constraints)
+            found, new_status = _analytic_round(scaled, answer, (tolerance, unit), extra_constraints)
         except SolverFailed as error:
             failure = error
-        else:
-            if answer is None:
-                return None
-    if answer is None and failure is not None:
+            continue
+        if found is None and not status:
+            return None
+        if found is not None and (new_status == "optimal" or status != "optimal"):
+            answer, status = found, new_status
+    if not status:
         raise failure
     return answer
 
 
 def _analytic_round(
     scaled: ScaledRows, near: FloatArray, how: tuple[float, float], extra_constraints: ExtraConstraints | None
-) -> FloatArray | None:
+) -> tuple[FloatArray | None, str]:
     cp, (tolerance, unit) = _cvxpy(), how
     relative = scaled.G / (scaled.h - scaled.G @ near)[:, None]
     T = unit * np.linalg.inv(np.linalg.cholesky(relative.T @ relative + _disc_curvature(scaled))).T
@@ -94,7 +96,8 @@ def _analytic_round(
         room = 1.0 - cp.sum_squares(y[2:] / scaled.disc)
         barrier -= cp.sum(cp.log(cp.hstack([room])))
     program = cp.Problem(cp.Minimize(barrier), _extra(scaled, y, extra_constraints))
-    return np.asarray(y.value) if _is_solved(program, tolerance) else None
+    status = _solve(program, tolerance)
+    return (np.asarray(y.value) if status != "infeasible" else None), status
 
 
 def _disc_curvature(scaled: ScaledRows) -> FloatArray:
@@ -110,21 +113,21 @@ def _extra(scaled: ScaledRows, y: Any, extra: ExtraConstraints | None) -> list[A
     return [] if extra is None else list(extra(scaled.middle + y / scaled.scale))
 
 
-def _is_solved(program: Any, tolerance: float) -> bool:  # noqa: ANN401
-    """Solve; False if infeasible.
+def _solve(program: Any, tolerance: float) -> str:  # noqa: ANN401
+    """Solve; returns "optimal", "inaccurate" or "infeasible".
 
     Raises:
-        SolverFailed: On any other outcome than an optimum, possibly an inaccurate one, or proven infeasibility.
+        SolverFailed: On any other outcome.
     """
     cp = _cvxpy()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # "solution may be inaccurate": the tolerances ask for more than is needed
+        warnings.simplefilter("ignore")  # "solution may be inaccurate": that is our return value
         try:
             program.solve(solver=cp.CLARABEL, tol_gap_abs=tolerance, tol_gap_rel=tolerance, tol_feas=tolerance)
         except cp.SolverError as error:
             raise SolverFailed(f"cvxpy: {error}", status="solver_error") from error
     if program.status in (cp.INFEASIBLE, cp.INFEASIBLE_INACCURATE):
-        return False
+        return "infeasible"
     if program.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
         raise SolverFailed(f"cvxpy stopped with status {program.status}", status=program.status)
-    return True
+    return "optimal" if program.status == cp.OPTIMAL else "inaccurate"
