@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.timing import Timing, best_of, show
-from rfcompass.localization import Matching, SarSurveyor, build_hologram, sar_image
-from rfcompass.rf import SPEED_OF_LIGHT_M_S
+from rfcompass.localization import SarSurveyor, sar_image
+from rfcompass.rf import SPEED_OF_LIGHT_M_S, Matching, build_hologram
 from rfcompass.types import ReadTrace, SearchVolume
 
 TAG_M = np.array([0.1137, -0.0712, 0.0521])  # on no grid

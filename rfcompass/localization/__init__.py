@@ -3,7 +3,6 @@
 from rfcompass.localization.compared_stop import ComparedStop, compared_stops
 from rfcompass.localization.comparing import compare_proximities
 from rfcompass.localization.consistency import ConsistencyLocalizer
-from rfcompass.localization.hologram import Hologram, Matching, build_hologram
 from rfcompass.localization.hyperbolic import HyperbolicSurveyor
 from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_file import answer_partition
@@ -20,9 +19,7 @@ __all__ = [
     "SURVEYORS",
     "ComparedStop",
     "ConsistencyLocalizer",
-    "Hologram",
     "HyperbolicSurveyor",
-    "Matching",
     "PartitionLocalizer",
     "PartitionProblem",
     "PartitionSolution",
@@ -30,7 +27,6 @@ __all__ = [
     "SarSurveyor",
     "answer_partition",
     "bounds_about",
-    "build_hologram",
     "build_partition",
     "compare_proximities",
     "compared_stops",

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import label
 
 from rfcompass.arrays import BoolArray, FloatArray
-from rfcompass.localization.peak_search import Peak, PowerAt, grid_points
+from rfcompass.rf.peak_search import Peak, PowerAt, grid_points
 from rfcompass.types.volumes import SearchVolume
 
 THRESHOLD = 0.84

@@ -20,10 +20,10 @@ from scipy.optimize import least_squares
 
 from rfcompass.arrays import FloatArray
 from rfcompass.localization.confidence_box import MAX_BOX_M, ConfidenceBox, is_confident
-from rfcompass.localization.hologram import Matching, build_hologram
-from rfcompass.localization.peak_search import coarse_peaks
 from rfcompass.localization.phase_model import PathCovariance, PhaseModel, build_phase_model
 from rfcompass.localization.reads_needed import require_reads
+from rfcompass.rf.hologram import Matching, build_hologram
+from rfcompass.rf.peak_search import coarse_peaks
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.reads import ReadTrace
 from rfcompass.types.volumes import SearchVolume

@@ -7,9 +7,9 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.localization.confidence_box import MAX_BOX_M, THRESHOLD, confidence_box, is_confident
-from rfcompass.localization.hologram import Hologram, Matching, build_hologram
-from rfcompass.localization.peak_search import grid_points, highest_peak
 from rfcompass.localization.reads_needed import require_reads
+from rfcompass.rf.hologram import Hologram, Matching, build_hologram
+from rfcompass.rf.peak_search import grid_points, highest_peak
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.piles import VoxelGrid
 from rfcompass.types.reads import ReadTrace
@@ -24,7 +24,7 @@ class SarSurveyor:
     """Take the highest peak of the hologram as the tag's position [Boroushaki2023], Eq. 2.
 
     Attributes:
-        matching: How the cells are combined, see `rfcompass.localization.hologram`.
+        matching: How the cells are combined, see `rfcompass.rf.hologram`.
         threshold: Share of the peak's power that bounds the confidence box.
         max_box_m: A fix is confident if its box is smaller than this along x, y, z [m] (the paper's τ) and not clipped.
     """

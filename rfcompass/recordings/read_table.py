@@ -19,6 +19,16 @@ READS_FILE = "reads.parquet"
 LARGEST_LEVEL_DB = 300.0
 _LARGEST_AMPLITUDE = 10.0 ** (LARGEST_LEVEL_DB / 20.0)
 
+# Fields of a `TagRead`, in the order of the columns.
+_REQUIRED_COLUMNS = {
+    "epc": pa.string(), "antenna": pa.int32(), "freq_hz": pa.float64(), "rssi_dbm": pa.float64(),
+    "phase_rad": pa.float64(), "pose_id": pa.int64(),
+}  # fmt: skip
+_OPTIONAL_COLUMNS = {
+    "t_ns": pa.int64(), "doppler_hz": pa.float64(), "tx_antenna": pa.int32(), "i": pa.float64(), "q": pa.float64(),
+    "t_reader_us": pa.int64(), "channel_index": pa.int32(),
+}  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True)
 class ReadColumns:
@@ -55,8 +65,8 @@ def read_columns(table: pa.Table, phase_sign: int) -> ReadColumns:
     """Check the known columns of a table of reads, one by one.
 
     Columns: epc, antenna, freq_hz, pose_id, and either rssi_dbm with phase_rad, or i with q: the channel h itself,
-    in the project's sign convention, preferred if all four are there. Optional are tx_antenna, stop_id, t_ns and
-    doppler_hz; the last two may hold nulls. Further columns are of no concern.
+    in the project's sign convention, preferred if all four are there. Optional are tx_antenna and stop_id, and t_ns,
+    doppler_hz, t_reader_us and channel_index, which may hold nulls. Further columns are of no concern.
 
     Args:
         table: One row for each read (R).
@@ -70,7 +80,7 @@ def read_columns(table: pa.Table, phase_sign: int) -> ReadColumns:
     epcs, epc_index = _epcs(table)
     frequencies_hz, freq_index = _frequencies(table)
     amplitude, lag_rad = _channel(table, phase_sign)
-    for name, check in (("t_ns", _integers), ("doppler_hz", _floats)):
+    for name, check in _CHECKED_WITH_NULLS.items():
         if name in table.column_names:
             check(table, name, nulls=True)
     return ReadColumns(
@@ -90,19 +100,18 @@ def read_columns(table: pa.Table, phase_sign: int) -> ReadColumns:
 def reads_table(reads: Iterable[TagRead], stop_ids: Sequence[int] | None = None) -> pa.Table:
     """Put single reads into a table with the columns of `reads.parquet`, in their order.
 
-    `t_ns` and `doppler_hz` are left out if no read has them.
+    Columns that no read has a value for are left out.
 
     Args:
         reads: What was heard.
         stop_ids: Stop of each read, for a trace with stops.
     """
     rows = tuple(reads)
-    fields: dict[str, pa.DataType] = {
-        "epc": pa.string(), "antenna": pa.int32(), "freq_hz": pa.float64(), "rssi_dbm": pa.float64(),
-        "phase_rad": pa.float64(), "pose_id": pa.int64(), "t_ns": pa.int64(), "doppler_hz": pa.float64(),
-    }  # fmt: skip
-    columns = {name: pa.array([getattr(read, name) for read in rows], kind) for name, kind in fields.items()}
-    unused = [name for name in ("t_ns", "doppler_hz") if columns[name].null_count == len(rows)]
+    columns = {
+        name: pa.array([getattr(read, name) for read in rows], kind)
+        for name, kind in (_REQUIRED_COLUMNS | _OPTIONAL_COLUMNS).items()
+    }
+    unused = [name for name in _OPTIONAL_COLUMNS if columns[name].null_count == len(rows)]
     if stop_ids is not None:
         columns["stop_id"] = pa.array(stop_ids, pa.int64())
     return pa.table({name: column for name, column in columns.items() if name not in unused})
@@ -200,3 +209,6 @@ def _filled(column: pa.ChunkedArray, name: str, *, nulls: bool) -> npt.NDArray[A
     if not nulls:
         _refuse_nulls(column, name)
     return np.asarray(pc.fill_null(column, 0).to_numpy())
+
+
+_CHECKED_WITH_NULLS = {"t_ns": _integers, "doppler_hz": _floats, "t_reader_us": _integers, "channel_index": _integers}

@@ -1,6 +1,7 @@
 """Radio: waves, phases and profiles along an antenna path, warping, and proximity meters."""
 
 from rfcompass.rf.dtw import dtw, dtw_matrix
+from rfcompass.rf.hologram import Hologram, Matching, build_hologram
 from rfcompass.rf.meters import (
     METERS,
     AoaMeter,
@@ -24,6 +25,8 @@ __all__ = [
     "AngularProfile",
     "AoaMeter",
     "AutoMeter",
+    "Hologram",
+    "Matching",
     "PathProfile",
     "PhaseDtwMeter",
     "PhaseL1Meter",
@@ -31,6 +34,7 @@ __all__ = [
     "PinItDtwMeter",
     "ProfileL1Meter",
     "RssiMeter",
+    "build_hologram",
     "dtw",
     "dtw_matrix",
     "free_space_channel",

@@ -21,7 +21,22 @@ from rfcompass.types.record import Record, frozen_mapping
 class TagRead(Record):
     """One line of a reader's report, in SI units.
 
-    `phase_rad` is the raw phase of the reader; `t_ns` is host time (UTC) and may be None for old recordings.
+    `phase_rad` is the raw phase of the reader. What a source does not report is None.
+
+    Attributes:
+        epc: EPC of the tag, lower-case hex.
+        antenna: Receiving port.
+        freq_hz: Carrier frequency [Hz].
+        rssi_dbm: Received power [dBm].
+        phase_rad: Raw phase, in the reader's own sign convention [rad].
+        pose_id: Number of the antenna pose.
+        t_ns: Host time of arrival, UTC [ns].
+        doppler_hz: Doppler shift as reported [Hz].
+        tx_antenna: Transmitting port of a bistatic rig.
+        i: Real part of the complex channel h, in the project's sign convention; a software radio reports it.
+        q: Its imaginary part.
+        t_reader_us: The reader's own clock, UTC as the reader believes [µs].
+        channel_index: Number of the carrier in the reader's frequency table, from 1.
     """
 
     epc: str
@@ -32,6 +47,11 @@ class TagRead(Record):
     pose_id: int = 0
     t_ns: int | None = None
     doppler_hz: float | None = None
+    tx_antenna: int | None = None
+    i: float | None = None
+    q: float | None = None
+    t_reader_us: int | None = None
+    channel_index: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,20 +130,26 @@ class Scan(Record):
         traces: One `ReadTrace` for each tag that was heard.
         frame: Name of the frame of all antenna positions.
         dimensions: 2 if tags and antennas share one plane (z is not observable), else 3.
+        heights_m: Height of each tag whose height is known otherwise, by EPC: z in the same frame [m].
     """
 
     traces: Mapping[str, ReadTrace] = field(default_factory=dict)
     frame: str = "antenna"
     dimensions: int = 3
+    heights_m: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Freeze the mapping."""
+        """Freeze the mappings."""
         for epc, trace in self.traces.items():
             if epc != trace.epc:
                 raise ShapeError(f"Scan.traces: key {epc} holds the trace of {trace.epc}", epc=epc)
         if self.dimensions not in (2, 3):
             raise ShapeError(f"Scan.dimensions: {self.dimensions} is neither 2 nor 3", dimensions=self.dimensions)
+        for epc, height_m in self.heights_m.items():
+            if not np.isfinite(height_m):
+                raise ShapeError(f"Scan.heights_m: {height_m} for tag {epc} is not finite", epc=epc)
         object.__setattr__(self, "traces", frozen_mapping(self.traces))
+        object.__setattr__(self, "heights_m", frozen_mapping(self.heights_m))
 
     @property
     def epcs(self) -> tuple[str, ...]:

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from rfcompass.errors import InputError, TagNeverHeard, TooFewReads
 from rfcompass.interfaces import Surveyor
-from rfcompass.localization import SURVEYORS, HyperbolicSurveyor, Matching, SarSurveyor, survey
+from rfcompass.localization import SURVEYORS, HyperbolicSurveyor, SarSurveyor, survey
+from rfcompass.rf import Matching
 from rfcompass.types import Scan, SearchVolume
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "localization"))

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rfcompass.localization.confidence_box import ConfidenceBox, confidence_box, is_confident
-from rfcompass.localization.peak_search import Peak
+from rfcompass.rf.peak_search import Peak
 from rfcompass.types import SearchVolume
 
 FIELD = SearchVolume([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0])

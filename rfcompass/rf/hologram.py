@@ -21,8 +21,8 @@ import numpy as np
 
 from rfcompass.arrays import ComplexArray, FloatArray, IntArray
 from rfcompass.errors import ShapeError
-from rfcompass.localization.sar_kernels import PhasorTable, add_differential_power, add_power
 from rfcompass.rf.runs import runs
+from rfcompass.rf.sar_kernels import PhasorTable, add_differential_power, add_power
 from rfcompass.rf.waves import wavenumber
 from rfcompass.types.reads import ReadTrace
 from rfcompass.types.volumes import SearchVolume

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from survey_scenes import RAIL_M, reads_of
 
-from rfcompass.localization.hologram import Matching, build_hologram
-from rfcompass.localization.peak_search import coarse_peaks, grid_points, highest_peak, volume_axes
+from rfcompass.rf.hologram import Matching, build_hologram
+from rfcompass.rf.peak_search import coarse_peaks, grid_points, highest_peak, volume_axes
 from rfcompass.types import SearchVolume
 
 FIELD = SearchVolume([-0.5, -0.5, 0.0], [0.5, 0.5, 0.0])

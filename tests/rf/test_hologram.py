@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from survey_scenes import FREQUENCIES_HZ, RAIL_M, reads_of, square_m
 
 from rfcompass.errors import ShapeError
-from rfcompass.localization import Matching, build_hologram, sar_image
-from rfcompass.rf import SPEED_OF_LIGHT_M_S
+from rfcompass.localization import sar_image
+from rfcompass.rf import SPEED_OF_LIGHT_M_S, Matching, build_hologram
 from rfcompass.types import ReadTrace, SearchVolume
 
 VOLUME = SearchVolume([0.0, 0.4, -0.2], [1.0, 1.2, 0.2])
