@@ -103,8 +103,8 @@ class Trace:
             TraceError: If the stop is unknown, or None although there are several.
         """
         cells = average_cells(self._placed, self.epcs, self._of_stop(stop_id))
-        channel = cells.channel(half_turns=self.meta.phase_modulus == "pi") * self._offset_phasors(cells)
-        heard = np.flatnonzero(cells.counts.any(axis=(1, 2)))
+        channel = cells.means.channel(half_turns=self.meta.phase_modulus == "pi") * self._offset_phasors(cells)
+        heard = np.flatnonzero(cells.means.counts.any(axis=(1, 2)))
         traces = {cells.epcs[t]: self._read_trace(cells, int(t), channel[t]) for t in heard}
         return Scan(traces=traces, frame=self.meta.frame, dimensions=self.meta.dimensions)
 
@@ -134,7 +134,7 @@ class Trace:
             antenna_positions_m=positions_m[cells.rx_rows],
             frequencies_hz=cells.frequencies_hz,
             channel=channel,
-            read_counts=cells.counts[t],
+            read_counts=cells.means.counts[t],
             antenna_ports=self.antenna_poses.antennas[cells.rx_rows],
             tx_positions_m=positions_m[cells.tx_rows] if self.meta.geometry == "bistatic" else None,
             phase_modulus_rad=self.meta.phase_modulus_rad,

@@ -103,7 +103,7 @@ def judge_reads(
     unused = np.setdiff1d(np.arange(poses.pose_ids.size), _poses_read(reads))
     silent_stops = np.empty(0) if columns.stop_id is None else np.setdiff1d(stop_ids, columns.stop_id)
     spread_rad, flipped = _spread(cells, half_turns=half_turns), _flipped(cells)
-    several = cells.counts >= 2
+    several = cells.means.counts >= 2
     return TraceQuality(
         reads=columns.epc_index.size,
         positions=cells.rx_rows.size,
@@ -123,7 +123,7 @@ def _poses_read(reads: PlacedReads) -> IntArray:
 
 
 def _judge_tag(cells: Cells, t: int, spread_rad: FloatArray, flipped: BoolArray | None) -> TagQuality:
-    counts = cells.counts[t]
+    counts = cells.means.counts[t]
     several = counts >= 2
     return TagQuality(
         epc=cells.epcs[t],
@@ -136,13 +136,13 @@ def _judge_tag(cells: Cells, t: int, spread_rad: FloatArray, flipped: BoolArray 
 
 def _spread(cells: Cells, *, half_turns: bool) -> FloatArray:
     """Circular standard deviation √(-2 ln R) of the phase in each cell [rad], shape (T, M, F)."""
-    R = np.clip(np.abs(cells.doubled if half_turns else cells.phasor), 1e-300, 1.0)
+    R = np.clip(np.abs(cells.means.doubled if half_turns else cells.means.phasor), 1e-300, 1.0)
     return np.asarray(np.sqrt(-2.0 * np.log(R)) / (2.0 if half_turns else 1.0))
 
 
 def _flipped(cells: Cells) -> BoolArray:
     """Cells that are more coherent after doubling the phase, which no unimodal scatter brings about."""
-    return np.asarray(np.abs(cells.doubled) > np.abs(cells.phasor) + _MORE_COHERENT)
+    return np.asarray(np.abs(cells.means.doubled) > np.abs(cells.means.phasor) + _MORE_COHERENT)
 
 
 def _median(values: FloatArray) -> float | None:

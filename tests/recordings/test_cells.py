@@ -51,15 +51,15 @@ def _slow_channel(reads: PlacedReads, epc: str, position: int, freq_hz: float) -
 
 
 def _channel_at(cells: Cells, t: int, m: int, f: int) -> complex:
-    return complex(cells.channel(half_turns=False)[t, m, f])
+    return complex(cells.means.channel(half_turns=False)[t, m, f])
 
 
 @given(seed=st.integers(0, 1000), R=st.integers(0, 40))
 def test_each_cell_is_mean_amplitude_times_mean_phasor(seed, R):
     reads = _reads(seed, R)
     cells = average_cells(reads, ("C", "A"))
-    assert cells.counts.sum() == np.isin(reads.columns.epc_index, [0, 2]).sum()
-    for t, m, f in np.ndindex(cells.counts.shape):
+    assert cells.means.counts.sum() == np.isin(reads.columns.epc_index, [0, 2]).sum()
+    for t, m, f in np.ndindex(cells.means.counts.shape):
         slow = _slow_channel(reads, cells.epcs[t], int(cells.rx_rows[m]), cells.frequencies_hz[f])
         assert _channel_at(cells, t, m, f) == pytest.approx(slow, abs=1e-12)
 
@@ -69,7 +69,7 @@ def test_the_order_of_the_reads_does_not_matter_to_the_last_bit(seed, half_turns
     reads = _reads(seed)
     order = np.random.default_rng(seed + 1).permutation(60)
     one, other = (average_cells(r, ("A", "B", "C")) for r in (reads, _permuted(reads, order)))
-    assert one.channel(half_turns=half_turns).tobytes() == other.channel(half_turns=half_turns).tobytes()
+    assert one.means.channel(half_turns=half_turns).tobytes() == other.means.channel(half_turns=half_turns).tobytes()
 
 
 @given(seed=st.integers(0, 1000))
@@ -77,8 +77,8 @@ def test_half_turns_of_single_reads_change_nothing_modulo_pi(seed):
     reads = _reads(seed, spread_rad=0.3)
     rng = np.random.default_rng(seed)
     turned = replace(reads.columns, lag_rad=reads.columns.lag_rad + np.pi * rng.integers(-3, 4, 60))
-    one = average_cells(reads, ("A", "B")).channel(half_turns=True)
-    other = average_cells(replace(reads, columns=turned), ("A", "B")).channel(half_turns=True)
+    one = average_cells(reads, ("A", "B")).means.channel(half_turns=True)
+    other = average_cells(replace(reads, columns=turned), ("A", "B")).means.channel(half_turns=True)
     np.testing.assert_allclose(other**2, one**2, atol=1e-9)
 
 
@@ -87,8 +87,8 @@ def test_a_turn_of_all_phases_turns_the_channel_across_any_branch(seed, turn):
     reads = _reads(seed, spread_rad=0.3)
     turned = replace(reads.columns, lag_rad=reads.columns.lag_rad + turn)
     for half_turns, power in ((False, 1), (True, 2)):
-        one = average_cells(reads, ("A",)).channel(half_turns=half_turns) ** power
-        other = average_cells(replace(reads, columns=turned), ("A",)).channel(half_turns=half_turns) ** power
+        one = average_cells(reads, ("A",)).means.channel(half_turns=half_turns) ** power
+        other = average_cells(replace(reads, columns=turned), ("A",)).means.channel(half_turns=half_turns) ** power
         np.testing.assert_allclose(other, one * np.exp(-1j * power * turn), atol=1e-9)
 
 
@@ -98,11 +98,11 @@ def test_only_positions_and_frequencies_that_were_heard_are_axes():
     cells = average_cells(reads, ("A", "B", "C"), keep)
     assert cells.rx_rows.tolist() == [2]
     assert cells.frequencies_hz.tolist() == [921e6]
-    assert cells.counts.sum() == keep.sum() > 0
+    assert cells.means.counts.sum() == keep.sum() > 0
 
 
 def test_a_cell_whose_reads_disagree_counts_less():
     agreeing, scattered = _reads(4, spread_rad=0.0), _reads(4, spread_rad=2.0)
-    strong, weak = (np.abs(average_cells(r, ("A",)).channel(half_turns=False)) for r in (agreeing, scattered))
+    strong, weak = (np.abs(average_cells(r, ("A",)).means.channel(half_turns=False)) for r in (agreeing, scattered))
     assert (weak <= strong + 1e-12).all()
     assert weak.sum() < 0.9 * strong.sum()
