@@ -4,6 +4,7 @@ from rfcompass.localization.compared_stop import ComparedStop, compared_stops
 from rfcompass.localization.comparing import compare_proximities
 from rfcompass.localization.consistency import ConsistencyLocalizer
 from rfcompass.localization.hyperbolic import HyperbolicSurveyor
+from rfcompass.localization.measuring import measure_proximities
 from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_file import answer_partition
 from rfcompass.localization.partition_solver import PartitionSolution, solve_partition
@@ -34,6 +35,7 @@ __all__ = [
     "default_volume",
     "in_reach_by_base_end",
     "in_reach_by_mean",
+    "measure_proximities",
     "next_goal",
     "recent_stops",
     "sar_image",

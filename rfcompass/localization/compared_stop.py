@@ -10,6 +10,7 @@ from rfcompass.errors import DegenerateAnchors, InputError
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import ProximityMeter
 from rfcompass.localization.comparing import compare_proximities
+from rfcompass.localization.measuring import measure_proximities
 from rfcompass.types.comparisons import Comparisons
 from rfcompass.types.observation import Observation
 from rfcompass.types.proximity import ProximityMatrix
@@ -111,11 +112,7 @@ def compared_stops(
 
 def _proximities_of(stop: Observation, meter: ProximityMeter | None) -> FloatArray:
     """Proximity of the part's tags to the anchors, in the order of the observation, shape (K, N)."""
-    matrix = stop.proximity
-    if matrix is None:
-        if meter is None:
-            raise InputError(f"stop {stop.stop_id} has no proximities and no meter was given", stop_id=stop.stop_id)
-        matrix = meter.measure(stop.scan, targets=stop.part.epcs, anchors=stop.anchors.epcs)
+    matrix = measure_proximities(stop, meter)
     return _arranged(matrix, stop.part.epcs, stop.anchors.epcs)
 
 
