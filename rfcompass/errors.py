@@ -97,6 +97,10 @@ class UnsuitablePath(InputError):
     """The antenna path does not suit the method: bent, too short; carries the length that is wrong."""
 
 
+class SceneError(InputError):
+    """A scene, a room or what stands in it cannot be; carries, where known, the `key` and what was `got`."""
+
+
 class UnknownMeter(InputError):
     """No proximity meter of that name; carries `meter` and those that are `known`."""
 
