@@ -127,3 +127,27 @@ class SolverFailed(NoAnswer):
 
 class OutOfReach(NoAnswer):
     """The arm cannot go there; carries the target and the smallest `miss_m` found."""
+
+
+class MissingExtra(InputError):
+    """An optional dependency is not installed; carries the `extra` that brings it."""
+
+
+class ReaderError(NoAnswer):
+    """A live reader gives no reads; carries `host` and `port`."""
+
+
+class LinkLost(ReaderError):
+    """There is no connection to the reader, or it broke; a later attempt may succeed."""
+
+
+class MalformedFrame(LinkLost):
+    """What the reader sent is no LLRP; carries `bytes` and, where known, the message `type`."""
+
+
+class ReaderRefused(ReaderError):
+    """The reader refused a request, or lacks what we need; carries, where known, `status` and `request`."""
+
+
+class NothingRecorded(NoAnswer):
+    """A recording ended without a single read that could be kept; carries the counts."""
