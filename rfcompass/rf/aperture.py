@@ -1,6 +1,7 @@
 """Straight synthetic apertures: what is left of a run once its positions are laid on a line.
 
 A far-field profile asks from which angle to the track a wave comes; that angle exists only if the track is a line.
+A path with corners has several straight apertures, one for each leg.
 """
 
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ import numpy as np
 
 from rfcompass.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from rfcompass.errors import UnsuitablePath
+from rfcompass.rf.path_legs import straight_legs
 from rfcompass.rf.runs import legs, runs
 from rfcompass.rf.waves import wavelength
 from rfcompass.types.reads import ReadTrace
@@ -18,7 +20,7 @@ STRAIGHT_WITHIN_WAVELENGTHS = 1 / 16  # ours: bends the phase of a monostatic ec
 
 @dataclass(frozen=True, slots=True)
 class Aperture:
-    """Channel of one tag along one straight run.
+    """Channel of one tag along one straight leg of a run.
 
     Attributes:
         offsets_m: Place of each position along the line, in path direction, shape (L,).
@@ -46,17 +48,22 @@ class Aperture:
 
 
 def straight_apertures(trace: ReadTrace) -> list[Aperture]:
-    """Lay each run on the line fitted through its positions.
+    """Lay each straight leg of each run on the line fitted through its positions.
 
     Raises:
-        UnsuitablePath: If a run is not straight within λ/16, if the antenna does not move, or if the transmitter of
-            a bistatic rig moves otherwise than the receiver.
+        UnsuitablePath: If a run is no polygon of legs that are straight within λ/16, if the antenna does not move
+            along a leg, or if the transmitter of a bistatic rig moves otherwise than the receiver.
     """
-    return [_aperture(trace, rows) for rows in runs(trace)]
+    shortest_m = float(wavelength(trace.frequencies_hz).min())
+    apertures = []
+    for rows in runs(trace):
+        bent = straight_legs(trace.antenna_positions_m[rows], STRAIGHT_WITHIN_WAVELENGTHS * shortest_m)
+        apertures += [_aperture(trace, rows[leg], shortest_m) for leg in bent]
+    return apertures
 
 
-def _aperture(trace: ReadTrace, rows: IntArray) -> Aperture:
-    offsets_m = _offsets_along_line(trace.antenna_positions_m[rows], float(wavelength(trace.frequencies_hz).min()))
+def _aperture(trace: ReadTrace, rows: IntArray, wavelength_m: float) -> Aperture:
+    offsets_m = _offsets_along_line(trace.antenna_positions_m[rows], wavelength_m)
     if trace.tx_positions_m is not None and legs(trace) == 2.0:
         _check_moving_together(trace.antenna_positions_m[rows], trace.tx_positions_m[rows])
     h, g = trace.channel[rows], legs(trace)
@@ -72,10 +79,6 @@ def _offsets_along_line(positions_m: FloatArray, wavelength_m: float) -> FloatAr
     length_m = float(np.ptp(offsets_m))
     if length_m < wavelength_m / 16:
         raise UnsuitablePath(f"the antenna moves {length_m:.3f} m only: no aperture", length_m=length_m)
-    bend_m = float(np.linalg.norm(centred - np.outer(offsets_m, direction), axis=1).max())
-    if bend_m > STRAIGHT_WITHIN_WAVELENGTHS * wavelength_m:
-        message = f"the antenna path leaves a straight line by {bend_m:.3f} m: no angular profile; use a phase meter"
-        raise UnsuitablePath(message, bend_m=bend_m, allowed_m=STRAIGHT_WITHIN_WAVELENGTHS * wavelength_m)
     return np.asarray(offsets_m if offsets_m[-1] >= offsets_m[0] else -offsets_m)
 
 

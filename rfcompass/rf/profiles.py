@@ -29,7 +29,7 @@ class AngularProfile:
     Attributes:
         angles: Number A of angles, evenly from 0 to π.
         window: Taper along the (sub-)aperture.
-        sub_apertures: Number of equally long parts of each run, one profile each.
+        sub_apertures: Number of equally long parts of each straight leg of the path, one profile each.
         quantity: Power B(θ) or amplitude √B(θ).
         phase_only: Give every cell the same amplitude.
         scale: Divide each profile by its mean over angles, by its peak, or not at all.
@@ -50,10 +50,11 @@ class AngularProfile:
         """Profiles of one tag.
 
         Returns:
-            One row for each run and sub-aperture, shape (S, A); NaN where a sub-aperture holds fewer than two reads.
+            One row for each run, straight leg and sub-aperture, shape (S, A); NaN where a sub-aperture holds fewer
+            than two reads.
 
         Raises:
-            UnsuitablePath: If a run of the antenna is no straight line.
+            UnsuitablePath: If a run of the antenna is neither a straight line nor made of straight legs.
             InputError: If a parameter is none of those listed above, or there is no angle or no sub-aperture.
         """
         self._check()

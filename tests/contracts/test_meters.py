@@ -180,10 +180,17 @@ def test_in_free_space_a_tag_further_along_the_path_is_further_away(kind, x_m, y
 
 
 @every_kind
-def test_a_bent_antenna_path_works_or_is_refused(kind):
+def test_a_path_with_a_corner_works(kind):
     leg = LINE_M[:31]
     corner = np.concatenate([leg, leg[-1] + leg[1:][:, [1, 0, 2]] * [1.0, -1.0, 1.0]])
     scan = scan_of(antenna_m=corner)
+    assert np.isfinite(meter(kind).measure(scan, targets=["e0"]).m).all()
+
+
+@every_kind
+def test_a_curved_antenna_path_works_or_is_refused(kind):
+    angle = np.linspace(0.0, np.pi, 61)[:, None]
+    scan = scan_of(antenna_m=0.4 * np.hstack([np.cos(angle), -np.sin(angle), 0 * angle]))
     if kind in ANGULAR:
         with pytest.raises(UnsuitablePath, match="straight"):
             meter(kind).measure(scan)

@@ -20,11 +20,20 @@ def test_offsets_grow_in_path_direction_whatever_the_direction(make_trace, line)
         assert (np.diff(aperture.offsets_m) > 0).all()
 
 
-def test_a_bent_path_is_refused_with_the_size_of_the_bend(make_trace, line):
-    corner = np.concatenate([line(0.5, 26), np.array([0.5, 0.0, 0.0]) + line(0.5, 26)[:, [1, 0, 2]]])
+def test_a_bent_path_has_one_aperture_for_each_leg(make_trace, line):
+    corner = np.concatenate([line(0.5, 26), np.array([0.5, 0.0, 0.0]) + line(0.5, 26)[1:, [1, 0, 2]]])
+    trace = make_trace(TAG_M, corner)
+    one, other = straight_apertures(trace)
+    np.testing.assert_array_equal(np.concatenate([one.channel, other.channel]), trace.channel)
+    assert np.ptp(one.offsets_m) + np.ptp(other.offsets_m) == pytest.approx(0.98)
+
+
+def test_a_curve_is_refused_with_the_size_of_the_bend(make_trace):
+    angle = np.linspace(0.0, np.pi / 2, 40)[:, None]
+    curve = 0.5 * np.hstack([np.cos(angle), np.sin(angle), 0 * angle])
     with pytest.raises(UnsuitablePath, match="straight") as caught:
-        straight_apertures(make_trace(TAG_M, corner))
-    assert caught.value.numbers["bend_m"] > caught.value.numbers["allowed_m"]
+        straight_apertures(make_trace(TAG_M, curve))
+    assert caught.value.numbers["bend_m"] > 0.02
 
 
 def test_an_antenna_that_stands_still_is_no_aperture(make_trace):

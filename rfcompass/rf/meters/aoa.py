@@ -17,8 +17,8 @@ from rfcompass.types.reads import ReadTrace, Scan
 class AoaMeter:
     """Compare two tags by the angle between the highest peaks of their multipath profiles.
 
-    m(a, b) = | θ_a - θ_b |, averaged over the sub-apertures. Needs a straight antenna path. A baseline: the angle says
-    nothing of range, and the highest peak need not be the direct path.
+    m(a, b) = | θ_a - θ_b |, averaged over legs and sub-apertures. Needs an antenna path of straight legs.
+    A baseline: the angle says nothing of range, and the highest peak need not be the direct path.
 
     Attributes:
         profile: How to compute the multipath profiles.
@@ -33,7 +33,7 @@ class AoaMeter:
         """Compare the tags; see `ProximityMeter.measure`. m in radians.
 
         Raises:
-            UnsuitablePath: If the antenna path is not straight.
+            UnsuitablePath: If the antenna path is not made of straight legs.
         """
         return compare_tags(self.kind, self.distances, scan, targets, anchors)
 

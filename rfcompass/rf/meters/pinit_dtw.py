@@ -18,8 +18,8 @@ from rfcompass.types.reads import ReadTrace, Scan
 class PinItDtwMeter:
     """Compare two tags by the DTW distance of their multipath profiles [PinIt2013], [Wang2013] section 4.1.
 
-    Needs a straight antenna path. Distances of several sub-apertures are averaged. The defaults are the plain reading
-    of the text: one profile of the whole aperture, free warp.
+    Needs an antenna path of straight legs. Distances of several legs and sub-apertures are averaged. The defaults are
+    the plain reading of the text: one profile of the whole aperture, free warp.
 
     Deviations:
         None by default, and that is the problem. Where the tag is in sight of the antenna, the *place* of the peak is
@@ -48,7 +48,7 @@ class PinItDtwMeter:
         """Compare the tags; see `ProximityMeter.measure`.
 
         Raises:
-            UnsuitablePath: If the antenna path is not straight.
+            UnsuitablePath: If the antenna path is not made of straight legs.
         """
         return compare_tags(self.kind, self.distances, scan, targets, anchors)
 

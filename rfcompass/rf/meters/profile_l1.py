@@ -17,7 +17,7 @@ from rfcompass.types.reads import ReadTrace, Scan
 class ProfileL1Meter:
     """Compare two tags by the difference of their multipath profiles, angle by angle.
 
-    m(a, b) = mean over θ of | √B_a(θ) - √B_b(θ) |, averaged over the sub-apertures. Needs a straight antenna path.
+    m(a, b) = mean over θ of | √B_a(θ) - √B_b(θ) |, averaged over legs and sub-apertures. Needs straight legs.
     A whole aperture smears a near tag over the angles under which its parts see it; sub-apertures, five by default
     (ours), keep them apart.
 
@@ -34,7 +34,7 @@ class ProfileL1Meter:
         """Compare the tags; see `ProximityMeter.measure`.
 
         Raises:
-            UnsuitablePath: If the antenna path is not straight.
+            UnsuitablePath: If the antenna path is not made of straight legs.
         """
         return compare_tags(self.kind, self.distances, scan, targets, anchors)
 
