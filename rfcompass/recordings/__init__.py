@@ -2,11 +2,17 @@
 
 from rfcompass.recordings.adarf import import_adarf
 from rfcompass.recordings.antenna_poses import AntennaPoses
-from rfcompass.recordings.importers import IMPORTERS, importer
+from rfcompass.recordings.carriage import Carriage, CarrierLog, StillAntennas
+from rfcompass.recordings.importers import IMPORTERS, import_log, importer
+from rfcompass.recordings.itemtest import import_itemtest
+from rfcompass.recordings.llrpkit_csv import import_llrpkit
 from rfcompass.recordings.meta_json import SCHEMA
 from rfcompass.recordings.parts import PartCollection, PartDatabase, part_from_mesh, read_parts, write_parts
 from rfcompass.recordings.read_table import reads_table
+from rfcompass.recordings.recorder import Recording, record
 from rfcompass.recordings.run_folder import VIEW_FILE, Run, check_target, is_run, write_run
+from rfcompass.recordings.sllurp_csv import import_sllurp
+from rfcompass.recordings.spool_trace import import_spool
 from rfcompass.recordings.stops import Stops
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
@@ -18,9 +24,13 @@ __all__ = [
     "SCHEMA",
     "VIEW_FILE",
     "AntennaPoses",
+    "Carriage",
+    "CarrierLog",
     "PartCollection",
     "PartDatabase",
+    "Recording",
     "Run",
+    "StillAntennas",
     "Stops",
     "StrayTag",
     "TagQuality",
@@ -30,12 +40,18 @@ __all__ = [
     "TraceTag",
     "check_target",
     "import_adarf",
+    "import_itemtest",
+    "import_llrpkit",
+    "import_log",
+    "import_sllurp",
+    "import_spool",
     "importer",
     "is_run",
     "open_trace",
     "part_from_mesh",
     "read_parts",
     "reads_table",
+    "record",
     "write_parts",
     "write_run",
     "write_trace",

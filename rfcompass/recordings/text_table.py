@@ -104,12 +104,17 @@ def read_text_table(path: Path, error: type[TraceError] | type[ImportFormatError
         raise error(f"{path.name}: cannot be read: {cause}", file=path.name) from cause
     if not lines:
         raise error(f"{path.name}: is empty, not even a header", file=path.name)
-    return _as_table(path.name, lines[0], lines[1:], error)
+    return as_table(path.name, lines[0], lines[1:], error)
 
 
-def _as_table(
+def as_table(
     file: str, header: list[str], lines: list[list[str]], error: type[TraceError] | type[ImportFormatError]
 ) -> TextTable:
+    """Turn lines of cells into columns.
+
+    Raises:
+        InputError: Of class `error`, if a column stands twice, or a row has too many or too few cells.
+    """
     for name in header:
         if header.count(name) > 1:
             raise error(f"{file}: column {name} stands twice", file=file, column=name)

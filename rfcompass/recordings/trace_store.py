@@ -89,7 +89,7 @@ def write_trace(trace: Trace, path: str | Path, *, overwrite: bool = False) -> N
     target = Path(path).resolve()
     contents = _encode(trace)
     try:
-        _check_target(target, overwrite=overwrite)
+        check_trace_target(target, overwrite=overwrite)
         with atomic_folder(target) as folder:
             for name, content in contents.items():
                 (folder / name).write_bytes(content)
@@ -118,7 +118,12 @@ def _parquet(table: pa.Table) -> bytes:
     return sink.getvalue().to_pybytes()
 
 
-def _check_target(target: Path, *, overwrite: bool) -> None:
+def check_trace_target(target: Path, *, overwrite: bool) -> None:
+    """Check that a trace may be written there.
+
+    Raises:
+        TraceError: If something is there that must not be replaced; carries `path`.
+    """
     if not target.exists() or (target.is_dir() and not any(target.iterdir())):
         return
     if not _is_trace(target):
