@@ -14,6 +14,7 @@ from rfcompass.cli.output import messages
 from rfcompass.cli.partition import partition
 from rfcompass.cli.parts import parts_app
 from rfcompass.cli.proximity import proximity
+from rfcompass.cli.record import record_command
 from rfcompass.cli.robots import robots_app
 from rfcompass.cli.study import study_app
 from rfcompass.cli.survey import survey_command
@@ -32,6 +33,7 @@ app.command("locate")(locate)
 app.command("survey")(survey_command)
 app.command("proximity")(proximity)
 app.command("partition")(partition)
+app.command("record")(record_command)
 app.command("import")(import_recording)
 app.add_typer(parts_app, name="parts")
 app.add_typer(robots_app, name="robots")

@@ -101,6 +101,14 @@ class LlrpSource:
     _deadline_s: float | None = field(default=None, init=False, repr=False)
     _stop: threading.Event = field(default_factory=threading.Event, init=False, repr=False)
 
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name, value in (("duration_s", self.duration_s), ("max_reads", self.max_reads)):
+            if value is not None and not value > 0:
+                raise InputError(f"LlrpSource.{name}: {value} is not positive", name=name, value=value)
+        if not 0 < self.port < 1 << 16:
+            raise InputError(f"LlrpSource.port: {self.port} is no TCP port", port=self.port)
+
     def stop(self) -> None:
         """Ask the iteration, from any thread, to end politely and soon; it will not begin again."""
         self._stop.set()
