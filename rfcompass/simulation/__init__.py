@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from rfcompass.simulation.antennas import VERT900 as VERT900
     from rfcompass.simulation.antennas import AntennaModel as AntennaModel
     from rfcompass.simulation.antennas import look_along as look_along
-    from rfcompass.simulation.backscatter import Backscatter as Backscatter
-    from rfcompass.simulation.backscatter import backscatter as backscatter
+    from rfcompass.simulation.echoes import Backscatter as Backscatter
+    from rfcompass.simulation.echoes import backscatter as backscatter
     from rfcompass.simulation.field import image_indices as image_indices
     from rfcompass.simulation.field import one_way_field as one_way_field
     from rfcompass.simulation.gen2 import Gen2Slots as Gen2Slots
@@ -61,8 +61,8 @@ _HOME = {
     "VERT900": "antennas",
     "AntennaModel": "antennas",
     "look_along": "antennas",
-    "Backscatter": "backscatter",
-    "backscatter": "backscatter",
+    "Backscatter": "echoes",
+    "backscatter": "echoes",
     "image_indices": "field",
     "one_way_field": "field",
     "Gen2Slots": "gen2",

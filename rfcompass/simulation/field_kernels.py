@@ -77,7 +77,7 @@ class TagRows(NamedTuple):
     axes: FloatArray
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def add_images(
     antenna: AntennaRows, tags: TagRows, room: RoomTable, obstacles: ObstacleTable, k: FloatArray, field: ComplexArray
 ) -> None:
@@ -90,11 +90,11 @@ def add_images(
                 _launch(antenna, m, ray[1], e)
                 totals[:] = 0.0
                 _walk(ray, r, room.images[i], room, obstacles, e, totals)
-                scale = np.exp(-_DB_TO_NEPER * totals[0]) / max(r, NEAREST_M)
+                scale = _left(totals[0]) / max(r, NEAREST_M)
                 _add_ray(e, tags.axes[t], scale, r + totals[1], k, field[m, t])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def add_scatterers(
     antenna: AntennaRows,
     tags: TagRows,
@@ -118,7 +118,7 @@ def add_scatterers(
                         field[m, t, p, f] += c * out_phasor[m, s, f] * back_phasor[t, s, f]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _legs_out(
     antenna: AntennaRows, scatterers: ScattererTable, obstacles: ObstacleTable, k: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
@@ -132,14 +132,14 @@ def _legs_out(
             _launch(antenna, m, ray[1], e)
             totals[:] = 0.0
             pass_obstacles(ray, r, obstacles, totals)
-            scale = scatterers.amplitudes[s] * np.exp(-_DB_TO_NEPER * totals[0]) / _size(r, scatterers, s)
+            scale = scatterers.amplitudes[s] * _left(totals[0]) / _size(r, scatterers, s)
             for axis in range(3):
                 out[m, s, axis] = scale * e[axis]
             _fill_phasors(r + totals[1], k, phasors[m, s])
     return out, phasors
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _legs_back(
     tags: TagRows, scatterers: ScattererTable, obstacles: ObstacleTable, k: FloatArray
 ) -> tuple[FloatArray, ComplexArray]:
@@ -152,7 +152,7 @@ def _legs_back(
             r = _straight(tags.points_m[t], scatterers.points_m[s], ray)
             totals[:] = 0.0
             pass_obstacles(ray, r, obstacles, totals)
-            scale = np.exp(-_DB_TO_NEPER * totals[0]) / _size(r, scatterers, s)
+            scale = _left(totals[0]) / _size(r, scatterers, s)
             for p in range(P):
                 along = 0.0
                 for axis in range(3):
@@ -168,13 +168,13 @@ def _legs_back(
     return back, phasors
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _size(r: float, scatterers: ScattererTable, s: int) -> float:
     """Distance that a scatterer's field falls with [m]: nothing that is near it gets more than what reached it."""
     return max(r, NEAREST_M, abs(scatterers.amplitudes[s]))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _straight(start_m: FloatArray, end_m: FloatArray, ray: FloatArray) -> float:
     """Set `ray` to start and unit direction; return the distance [m]."""
     r = 0.0
@@ -188,7 +188,7 @@ def _straight(start_m: FloatArray, end_m: FloatArray, ray: FloatArray) -> float:
     return r
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _aim(start_m: FloatArray, goal_m: FloatArray, image: IntArray, size_m: FloatArray, ray: FloatArray) -> float:
     """Set `ray` towards an image of the goal; return the length of the unfolded path [m]."""
     r = 0.0
@@ -204,7 +204,7 @@ def _aim(start_m: FloatArray, goal_m: FloatArray, image: IntArray, size_m: Float
     return r
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _launch(antenna: AntennaRows, m: int, d: FloatArray, e: ComplexArray) -> None:
     """Set `e` to the field that antenna row m radiates along d, at unit distance and unit gain."""
     along, cosine = 0.0j, 0.0
@@ -225,7 +225,7 @@ def _launch(antenna: AntennaRows, m: int, d: FloatArray, e: ComplexArray) -> Non
         e[axis] *= scale
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _walk(
     ray: FloatArray,
     length_m: float,
@@ -256,7 +256,7 @@ def _walk(
     pass_obstacles(ray, rest, obstacles, totals)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _to_wall(ray: FloatArray, axis: int, size_m: float) -> float:
     """Way to the next plane across an axis [m]."""
     d = ray[1, axis]
@@ -265,7 +265,7 @@ def _to_wall(ray: FloatArray, axis: int, size_m: float) -> float:
     return -ray[0, axis] / d if d < 0.0 else 0.0
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _bounce(e: ComplexArray, d: FloatArray, axis: int, permittivity: float) -> None:
     """Reflect field and direction at a plane across `axis`.
 
@@ -291,24 +291,36 @@ def _bounce(e: ComplexArray, d: FloatArray, axis: int, permittivity: float) -> N
     d[axis] = -d[axis]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _add_ray(
     e: ComplexArray, axes: FloatArray, scale: float, length_m: float, k: FloatArray, field: ComplexArray
 ) -> None:
     """Add e·u scale e^{-jkL} for each port and wavenumber, (P, F)."""
-    phasor, turn, step = np.exp(-1j * k[0] * length_m), 1.0 + 0.0j, 0.0
+    phasor, turn, step = _phasor(k[0] * length_m), 1.0 + 0.0j, 0.0
     for f in range(len(k)):
         if f > 0:
             if abs(k[f] - k[f - 1] - step) > 1e-12 * k[0]:
                 step = k[f] - k[f - 1]
-                turn = np.exp(-1j * step * length_m)
+                turn = _phasor(step * length_m)
             phasor *= turn
         for p in range(len(axes)):
             c = e[0] * axes[p, 0] + e[1] * axes[p, 1] + e[2] * axes[p, 2]
             field[p, f] += scale * c * phasor
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
+def _phasor(angle: float) -> complex:
+    """e^{-j angle}, from a sine and a cosine: twice as fast as a complex exponential."""
+    return complex(np.cos(angle), -np.sin(angle))
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _left(loss_db: float) -> float:
+    """Share of the amplitude that a loss leaves."""
+    return np.exp(-_DB_TO_NEPER * loss_db) if loss_db > 0.0 else 1.0
+
+
+@numba.njit(cache=True, error_model="numpy")
 def _fill_phasors(length_m: float, k: FloatArray, phasors: ComplexArray) -> None:
     for f in range(len(k)):
-        phasors[f] = np.exp(-1j * k[f] * length_m)
+        phasors[f] = _phasor(k[f] * length_m)

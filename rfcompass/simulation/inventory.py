@@ -8,7 +8,7 @@ import numpy as np
 
 from rfcompass.arrays import BoolArray, ComplexArray, FloatArray, IntArray, read_only
 from rfcompass.errors import InputError, ShapeError
-from rfcompass.simulation.backscatter import Backscatter, backscatter
+from rfcompass.simulation.echoes import Backscatter, backscatter
 from rfcompass.simulation.gen2 import SlotLog, run_slots
 from rfcompass.simulation.placed_tags import PlacedTags
 from rfcompass.simulation.radio_scene import RadioScene

@@ -62,7 +62,7 @@ def _matters(material: Material) -> bool:
     return material.delay_ratio > 0 or material.loss_db_per_m > 0 or material.surface_loss_db > 0
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def pass_obstacles(ray: FloatArray, length_m: float, obstacles: ObstacleTable, totals: FloatArray) -> None:
     """Add loss [dB] and extra length [m] of one leg to `totals`, shape (2,); `ray` is start and direction, (2, 3)."""
     for n in range(len(obstacles.bounds_m)):
@@ -74,7 +74,7 @@ def pass_obstacles(ray: FloatArray, length_m: float, obstacles: ObstacleTable, t
             totals[1] += obstacles.delay_ratio[n] * chord
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _misses(ray: FloatArray, length_m: float, bounds_m: FloatArray) -> bool:
     """Whether the leg lies wholly beyond one side of the box around an obstacle."""
     for axis in range(3):
@@ -85,7 +85,7 @@ def _misses(ray: FloatArray, length_m: float, bounds_m: FloatArray) -> bool:
     return False
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _chord(ray: FloatArray, length_m: float, obstacles: ObstacleTable, n: int) -> float:
     """Length of the leg inside obstacle n [m]: what the slabs of a box, or lid and mantle of a cylinder, leave."""
     near, far = 0.0, length_m
@@ -107,7 +107,7 @@ def _chord(ray: FloatArray, length_m: float, obstacles: ObstacleTable, n: int) -
     return max(far - near, 0.0)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _slab(o: float, d: float, half: float, near: float, far: float) -> tuple[float, float]:
     """Part of [near, far] in which |o + s d| <= half."""
     if abs(d) < 1e-12:
@@ -116,7 +116,7 @@ def _slab(o: float, d: float, half: float, near: float, far: float) -> tuple[flo
     return max(near, min(one, other)), min(far, max(one, other))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _mantle(oo: float, od: float, dd: float, radius: float, near: float, far: float) -> tuple[float, float]:
     """Part of [near, far] in which |o + s d|² = oo + 2 s od + s² dd <= radius², o and d across the axis."""
     c = oo - radius * radius

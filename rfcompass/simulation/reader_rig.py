@@ -96,8 +96,8 @@ class ReaderRig(Record):
         slots: Times of the inventory.
         dwell_s: Time at each position of the track, shared by the fixed transmitters [s].
         hop_s: Time on each carrier; None if every read is made at all carriers, as a software radio does [s].
-        channel_offsets_rad: What cables and reader add to the raw phase at each carrier [rad], shape (F,); 0 if left
-            out.
+        channel_offsets_rad: What cables and reader add to the raw phase at each carrier [rad], shape (F,); None
+            for nothing.
     """
 
     rx: AntennaModel
@@ -115,10 +115,10 @@ class ReaderRig(Record):
         f_hz = read_only(self.frequencies_hz, "ReaderRig.frequencies_hz", (None,))
         if not f_hz.size or (f_hz <= 0).any() or (np.diff(f_hz) <= 0).any():
             raise InputError("ReaderRig.frequencies_hz: must be positive and ascending", key="frequencies_hz")
-        offsets = np.zeros(f_hz.size) if self.channel_offsets_rad is None else self.channel_offsets_rad
-        offsets = read_only(offsets, "ReaderRig.channel_offsets_rad", (f_hz.size,))
         object.__setattr__(self, "frequencies_hz", f_hz)
-        object.__setattr__(self, "channel_offsets_rad", offsets)
+        if self.channel_offsets_rad is not None:
+            offsets = read_only(self.channel_offsets_rad, "ReaderRig.channel_offsets_rad", (f_hz.size,))
+            object.__setattr__(self, "channel_offsets_rad", offsets)
         if not np.isfinite(self.eirp_dbm):
             raise InputError(f"ReaderRig.eirp_dbm: {self.eirp_dbm} is not finite", key="eirp_dbm")
         for key in ("dwell_s", "hop_s"):

@@ -60,7 +60,7 @@ def backscatter(radio_scene: RadioScene, rig: ReaderRig, track: AntennaTrack, ta
     model, P_mw = tags.model, 10.0 ** (rig.transmit_dbm / 10.0)
     port = np.exp(1j * model.port_phase_rad * np.arange(up.shape[3]))
     constant = np.exp(1j * tags.phase_rad) * 10.0 ** (-model.backscatter_loss_db / 20.0)
-    offsets = np.exp(-1j * np.asarray(rig.channel_offsets_rad))
+    offsets = 1.0 if rig.channel_offsets_rad is None else np.exp(-1j * rig.channel_offsets_rad)
     h = np.sqrt(P_mw) * np.einsum("xmtpf,xmtpf,p->xmtf", *np.broadcast_arrays(down, up), port)
     with np.errstate(divide="ignore"):
         power_dbm = rig.transmit_dbm + 10.0 * np.log10((np.abs(down) ** 2).sum(axis=3))
