@@ -7,7 +7,7 @@ TCP slows the reader down, so that memory stays bounded and nothing is dropped o
 import socket
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from llrpkit.constants import MESSAGE_HEADER_LEN
 from llrpkit.exceptions import LLRPError
@@ -86,17 +86,9 @@ class LlrpLink:
         """
         self._next_id += 1
         self.send(message, self._next_id)
-        deadline_s, aside = time.monotonic() + self._timeout_s, deque[LLRPMessage]()
-        answers: list[LLRPMessage] = []
-        try:
-            while not answers and (left_s := deadline_s - time.monotonic()) > 0:
-                for arrived in self.receive(left_s):
-                    answers_us = arrived.message_id == self._next_id and not _is_unasked(arrived)
-                    (answers if answers_us else aside).append(arrived)
-        finally:
-            self._arrived.extendleft(reversed(aside))
-        if answers:
-            return self._accepted(answers[0], message)
+        answer = self._first(lambda arrived: arrived.message_id == self._next_id and not _is_unasked(arrived))
+        if answer is not None:
+            return self._accepted(answer, message)
         name = type(message).__name__
         raise LinkLost(f"{self._name()} did not answer {name} within {self._timeout_s} s", request=name, **self._peer)
 
@@ -119,18 +111,22 @@ class LlrpLink:
     def _name(self) -> str:
         return f"{self._peer['host']}:{self._peer['port']}"
 
-    def _await_greeting(self) -> None:
-        deadline_s = time.monotonic() + self._timeout_s
-        while (left_s := deadline_s - time.monotonic()) > 0:
-            for message in self.receive(left_s):
-                if isinstance(message, messages.READER_EVENT_NOTIFICATION):
-                    event = message.reader_event_notification_data.connection_attempt_event
-                    if event is not None:
-                        self._check_greeting(int(event.status))
-                        return
-        raise LinkLost(f"{self._name()} sent no LLRP greeting within {self._timeout_s} s", **self._peer)
+    def _first(self, wanted: Callable[[LLRPMessage], bool]) -> LLRPMessage | None:
+        """The first message that is wanted, None if it does not come in time; the others are left for `receive`."""
+        deadline_s, aside, found = time.monotonic() + self._timeout_s, deque[LLRPMessage](), list[LLRPMessage]()
+        try:
+            while not found and (left_s := deadline_s - time.monotonic()) > 0:
+                for message in self.receive(left_s):
+                    (found if not found and wanted(message) else aside).append(message)
+        finally:
+            self._arrived.extendleft(reversed(aside))
+        return found[0] if found else None
 
-    def _check_greeting(self, status: int) -> None:
+    def _await_greeting(self) -> None:
+        greeting = self._first(lambda message: _attempt_status(message) is not None)
+        if greeting is None:
+            raise LinkLost(f"{self._name()} sent no LLRP greeting within {self._timeout_s} s", **self._peer)
+        status = _attempt_status(greeting)
         if status != enums.ConnectionAttemptStatusType.Success:
             message = f"{self._name()} turned the connection down (status {status}): it may have another client"
             raise LinkLost(message, status=status, **self._peer)
@@ -205,3 +201,11 @@ class LlrpLink:
 
 def _is_unasked(message: LLRPMessage) -> bool:
     return isinstance(message, messages.RO_ACCESS_REPORT | messages.READER_EVENT_NOTIFICATION)
+
+
+def _attempt_status(message: LLRPMessage) -> int | None:
+    """Status of the reader's greeting; None if the message is something else."""
+    if not isinstance(message, messages.READER_EVENT_NOTIFICATION):
+        return None
+    event = message.reader_event_notification_data.connection_attempt_event
+    return None if event is None else int(event.status)

@@ -119,7 +119,8 @@ def _carrier_hz(report: params.TagReportData, frequencies_hz: tuple[float, ...])
     if report.channel_index is None:
         return NO_CHANNEL
     index = report.channel_index.channel_index
-    return frequencies_hz[index - 1] if 1 <= index <= len(frequencies_hz) else OUTSIDE_TABLE
+    freq_hz = frequencies_hz[index - 1] if 1 <= index <= len(frequencies_hz) else 0.0
+    return freq_hz if freq_hz > 0.0 else OUTSIDE_TABLE
 
 
 def _rssi_dbm(report: params.TagReportData, fine: _Fine) -> float | None:
