@@ -115,7 +115,7 @@ class EmulatedReader:
             return
         self._loop.call_soon_threadsafe(self._quit.set)
         self._thread.join()
-        self._thread = None
+        self._thread = self._loop = None
         if (failure := self._outlet.failure) is not None:
             self._outlet.failure = None
             raise failure
