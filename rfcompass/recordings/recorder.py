@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
-from rfcompass.errors import NothingRecorded, RfCompassError
+from rfcompass.errors import InputError, NothingRecorded, RfCompassError, TraceError
 from rfcompass.interfaces import ReadSource
 from rfcompass.recordings.carriage import Carriage, StillAntennas
 from rfcompass.recordings.spool import SPOOL_SUFFIX, SpoolWriter, check_no_spool, spooled_meta
@@ -87,7 +87,15 @@ def record(
         counts["ended"] = failure
     if not spool.exists():
         raise NothingRecorded(_nothing(counts), **counts)
-    return _finish(spool, target, StillAntennas() if carriage is None else carriage(), counts)
+    return _finish(spool, target, _placed_by(carriage, spool), counts)
+
+
+def _placed_by(carriage: Callable[[], Carriage] | None, spool: Path) -> Carriage:
+    try:
+        return StillAntennas() if carriage is None else carriage()
+    except InputError as error:
+        message = f"{error.message}; the reads are kept in {spool}"
+        raise TraceError(message, **error.numbers, spool=str(spool)) from error
 
 
 def _finish(spool: Path, target: Path, carriage: Carriage, counts: Mapping[str, object]) -> Recording:
