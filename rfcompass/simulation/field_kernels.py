@@ -8,16 +8,18 @@ meets the obstacles that are really there and every bounce turns the field vecto
 A phasor for each carrier follows from the one before by a multiplication, as long as carriers are equally far apart.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numba
 import numpy as np
 
 from rfcompass.arrays import ComplexArray, FloatArray, IntArray
-from rfcompass.simulation.occlusion import ObstacleTable, pass_obstacles
+from rfcompass.simulation.occlusion import Vector, pass_obstacles
 
 # Distances below this are taken as this, for the field's size only: the far field ends there (λ / 2π at 920 MHz). Ours.
 NEAREST_M = 0.05
+
+ComplexVector: TypeAlias = tuple[complex, complex, complex]
 
 _DB_TO_NEPER = np.log(10.0) / 20.0
 
@@ -42,6 +44,16 @@ class AntennaRows(NamedTuple):
     back_field: float
 
 
+class Beam(NamedTuple):
+    """One row of them: polarisation p, boresight, kind, exponent and field behind. Numbers only: no array to count."""
+
+    vector: ComplexVector
+    boresight: Vector
+    kind: int
+    exponent: float
+    back_field: float
+
+
 class RoomTable(NamedTuple):
     """The walls.
 
@@ -54,6 +66,13 @@ class RoomTable(NamedTuple):
     size_m: FloatArray
     images: IntArray
     permittivity: FloatArray
+
+
+class Walls(NamedTuple):
+    """The same as numbers: edges, and permittivity at the lower and upper plane of x, y and z."""
+
+    size_m: Vector
+    permittivity: tuple[float, float, float, float, float, float]
 
 
 class ScattererTable(NamedTuple):
@@ -77,29 +96,30 @@ class TagRows(NamedTuple):
     axes: FloatArray
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def add_images(
-    antenna: AntennaRows, tags: TagRows, room: RoomTable, obstacles: ObstacleTable, k: FloatArray, field: ComplexArray
+    antenna: AntennaRows, tags: TagRows, room: RoomTable, obstacles: FloatArray, k: FloatArray, field: ComplexArray
 ) -> None:
     """Add Σ_images e·u e^{-jkL} / r for every antenna row, tag, port and wavenumber to `field`, (M, T, P, F)."""
-    ray, e, totals = np.empty((2, 3)), np.empty(3, np.complex128), np.empty(2)
-    for m in range(len(antenna.positions_m)):
-        for t in range(len(tags.points_m)):
-            for i in range(len(room.images)):
-                r = _aim(antenna.positions_m[m], tags.points_m[t], room.images[i], room.size_m, ray)
-                _launch(antenna, m, ray[1], e)
-                totals[:] = 0.0
-                _walk(ray, r, room.images[i], room, obstacles, e, totals)
-                scale = _left(totals[0]) / max(r, NEAREST_M)
-                _add_ray(e, tags.axes[t], scale, r + totals[1], k, field[m, t])
+    walls, images, points_m, axes = _walls(room), room.images, tags.points_m, tags.axes
+    for m in range(len(field)):
+        start, beam = _row(antenna.positions_m, m), _beam(antenna, m)
+        for t in range(len(points_m)):
+            tag = _row(points_m, t)
+            for i in range(len(images)):
+                bounces = (images[i, 0], images[i, 1], images[i, 2])
+                d, r = _aim(start, _image(tag, bounces, walls.size_m))
+                e, loss_db, extra_m = _walk((start, d), r, _launch(beam, d), bounces, walls, obstacles)
+                scale = _left(loss_db) / max(r, NEAREST_M)
+                _add_ray((scale * e[0], scale * e[1], scale * e[2]), axes, r + extra_m, k, field, (m, t))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def add_scatterers(
     antenna: AntennaRows,
     tags: TagRows,
     scatterers: ScattererTable,
-    obstacles: ObstacleTable,
+    obstacles: FloatArray,
     k: FloatArray,
     field: ComplexArray,
 ) -> None:
@@ -118,184 +138,203 @@ def add_scatterers(
                         field[m, t, p, f] += c * out_phasor[m, s, f] * back_phasor[t, s, f]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _legs_out(
-    antenna: AntennaRows, scatterers: ScattererTable, obstacles: ObstacleTable, k: FloatArray
+    antenna: AntennaRows, scatterers: ScattererTable, obstacles: FloatArray, k: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Field that each scatterer sends on, (M, S, 3), and the phasors of the legs to it, (M, S, F)."""
     M, S = len(antenna.positions_m), len(scatterers.points_m)
     out, phasors = np.empty((M, S, 3), np.complex128), np.empty((M, S, len(k)), np.complex128)
-    ray, e, totals = np.empty((2, 3)), np.empty(3, np.complex128), np.empty(2)
     for m in range(M):
+        start, beam = _row(antenna.positions_m, m), _beam(antenna, m)
         for s in range(S):
-            r = _straight(antenna.positions_m[m], scatterers.points_m[s], ray)
-            _launch(antenna, m, ray[1], e)
-            totals[:] = 0.0
-            pass_obstacles(ray, r, obstacles, totals)
-            scale = scatterers.amplitudes[s] * _left(totals[0]) / _size(r, scatterers, s)
+            d, r = _aim(start, _row(scatterers.points_m, s))
+            e = _launch(beam, d)
+            loss_db, extra_m = pass_obstacles(start, d, r, obstacles)
+            scale = scatterers.amplitudes[s] * _left(loss_db) / _distance(r, scatterers.amplitudes[s])
             for axis in range(3):
                 out[m, s, axis] = scale * e[axis]
-            _fill_phasors(r + totals[1], k, phasors[m, s])
+            _fill_phasors(r + extra_m, k, phasors[m, s])
     return out, phasors
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _legs_back(
-    tags: TagRows, scatterers: ScattererTable, obstacles: ObstacleTable, k: FloatArray
+    tags: TagRows, scatterers: ScattererTable, obstacles: FloatArray, k: FloatArray
 ) -> tuple[FloatArray, ComplexArray]:
     """What each tag port takes of a scatterer's field, B u⊥ / d2, (T, S, P, 3), and the phasors, (T, S, F)."""
     T, P, S = len(tags.points_m), tags.axes.shape[1], len(scatterers.points_m)
     back, phasors = np.empty((T, S, P, 3)), np.empty((T, S, len(k)), np.complex128)
-    ray, totals, across = np.empty((2, 3)), np.empty(2), np.empty(3)
     for t in range(T):
+        tag = _row(tags.points_m, t)
         for s in range(S):
-            r = _straight(tags.points_m[t], scatterers.points_m[s], ray)
-            totals[:] = 0.0
-            pass_obstacles(ray, r, obstacles, totals)
-            scale = _left(totals[0]) / _size(r, scatterers, s)
+            d, r = _aim(tag, _row(scatterers.points_m, s))
+            loss_db, extra_m = pass_obstacles(tag, d, r, obstacles)
+            scale = _left(loss_db) / _distance(r, scatterers.amplitudes[s])
             for p in range(P):
-                along = 0.0
+                u = _row(tags.axes[t], p)
+                along = _dot(u, d)
+                across = (u[0] - along * d[0], u[1] - along * d[1], u[2] - along * d[2])
                 for axis in range(3):
-                    along += tags.axes[t, p, axis] * ray[1, axis]
-                for axis in range(3):
-                    across[axis] = tags.axes[t, p, axis] - along * ray[1, axis]
-                for axis in range(3):
-                    turned = 0.0
-                    for j in range(3):
-                        turned += scatterers.matrices[s, axis, j] * across[j]
-                    back[t, s, p, axis] = scale * turned
-            _fill_phasors(r + totals[1], k, phasors[t, s])
+                    back[t, s, p, axis] = scale * _dot(_row(scatterers.matrices[s], axis), across)
+            _fill_phasors(r + extra_m, k, phasors[t, s])
     return back, phasors
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _size(r: float, scatterers: ScattererTable, s: int) -> float:
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _distance(r: float, amplitude: complex) -> float:
     """Distance that a scatterer's field falls with [m]: nothing that is near it gets more than what reached it."""
-    return max(r, NEAREST_M, abs(scatterers.amplitudes[s]))
+    return max(r, NEAREST_M, abs(amplitude))
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _straight(start_m: FloatArray, end_m: FloatArray, ray: FloatArray) -> float:
-    """Set `ray` to start and unit direction; return the distance [m]."""
-    r = 0.0
-    for axis in range(3):
-        ray[0, axis] = start_m[axis]
-        ray[1, axis] = end_m[axis] - start_m[axis]
-        r += ray[1, axis] * ray[1, axis]
-    r = np.sqrt(r)
-    for axis in range(3):
-        ray[1, axis] /= r
-    return r
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _row(array: FloatArray, i: int) -> Vector:
+    return (array[i, 0], array[i, 1], array[i, 2])
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _aim(start_m: FloatArray, goal_m: FloatArray, image: IntArray, size_m: FloatArray, ray: FloatArray) -> float:
-    """Set `ray` towards an image of the goal; return the length of the unfolded path [m]."""
-    r = 0.0
-    for axis in range(3):
-        n = image[axis]
-        place = n * size_m[axis] + goal_m[axis] if n % 2 == 0 else (n + 1) * size_m[axis] - goal_m[axis]
-        ray[0, axis] = start_m[axis]
-        ray[1, axis] = place - start_m[axis]
-        r += ray[1, axis] * ray[1, axis]
-    r = np.sqrt(r)
-    for axis in range(3):
-        ray[1, axis] /= r
-    return r
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _launch(antenna: AntennaRows, m: int, d: FloatArray, e: ComplexArray) -> None:
-    """Set `e` to the field that antenna row m radiates along d, at unit distance and unit gain."""
-    along, cosine = 0.0j, 0.0
-    for axis in range(3):
-        along += antenna.vectors[m, axis] * d[axis]
-        cosine += antenna.boresights[m, axis] * d[axis]
-    size = 0.0
-    for axis in range(3):
-        e[axis] = antenna.vectors[m, axis] - along * d[axis]
-        size += e[axis].real ** 2 + e[axis].imag ** 2
-    if antenna.kind == 0:
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _image(tag: Vector, bounces: tuple[int, int, int], size: Vector) -> Vector:
+    """Where the tag seems to be behind the walls [m]."""
+    return (
+        _mirrored(tag[0], bounces[0], size[0]),
+        _mirrored(tag[1], bounces[1], size[1]),
+        _mirrored(tag[2], bounces[2], size[2]),
+    )
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _mirrored(x: float, n: int, size: float) -> float:
+    return n * size + x if n % 2 == 0 else (n + 1) * size - x
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _aim(start: Vector, end: Vector) -> tuple[Vector, float]:
+    """Unit direction and distance [m]."""
+    x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+    r = np.sqrt(x * x + y * y + z * z)
+    return (x / r, y / r, z / r), r
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _beam(antenna: AntennaRows, m: int) -> Beam:
+    p, b = antenna.vectors, antenna.boresights
+    vector, boresight = (p[m, 0], p[m, 1], p[m, 2]), (b[m, 0], b[m, 1], b[m, 2])
+    return Beam(vector, boresight, antenna.kind, antenna.exponent, antenna.back_field)
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _walls(room: RoomTable) -> Walls:
+    e = room.permittivity
+    size_m = (room.size_m[0], room.size_m[1], room.size_m[2])
+    return Walls(size_m, (e[0, 0], e[0, 1], e[1, 0], e[1, 1], e[2, 0], e[2, 1]))
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _launch(beam: Beam, d: Vector) -> ComplexVector:
+    """Field that an antenna radiates along d, at unit distance and unit gain."""
+    p = beam.vector
+    along = p[0] * d[0] + p[1] * d[1] + p[2] * d[2]
+    x, y, z = p[0] - along * d[0], p[1] - along * d[1], p[2] - along * d[2]
+    scale = 1.0
+    if beam.kind == 0:
+        size = _square(x) + _square(y) + _square(z)
         scale = 1.0 / np.sqrt(size) if size > 1e-18 else 0.0
-    elif antenna.kind == 2:
-        scale = antenna.back_field + (1.0 - antenna.back_field) * (0.5 * (1.0 + min(cosine, 1.0))) ** antenna.exponent
-    else:
-        return
-    for axis in range(3):
-        e[axis] *= scale
+    elif beam.kind == 2:
+        front = (0.5 * (1.0 + max(min(_dot(beam.boresight, d), 1.0), -1.0))) ** beam.exponent
+        scale = beam.back_field + (1.0 - beam.back_field) * front
+    return scale * x, scale * y, scale * z
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _square(z: complex) -> float:
+    return z.real * z.real + z.imag * z.imag
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _walk(
-    ray: FloatArray,
+    ray: tuple[Vector, Vector],
     length_m: float,
-    image: IntArray,
-    room: RoomTable,
-    obstacles: ObstacleTable,
-    e: ComplexArray,
-    totals: FloatArray,
-) -> None:
-    """Follow the ray from wall to wall; `ray` and `e` end as they reach the goal, `totals` gathers what is passed."""
-    left_x, left_y, left_z = abs(image[0]), abs(image[1]), abs(image[2])
-    rest = length_m
-    for _ in range(left_x + left_y + left_z):
-        axis, step = -1, rest
-        for i in range(3):
-            left = left_x if i == 0 else (left_y if i == 1 else left_z)
-            if left > 0:
-                ahead = _to_wall(ray, i, room.size_m[i])
-                if axis < 0 or ahead < step:
-                    axis, step = i, ahead
-        side = 1 if ray[1, axis] > 0.0 else 0
-        pass_obstacles(ray, step, obstacles, totals)
-        for i in range(3):
-            ray[0, i] += step * ray[1, i]
-        _bounce(e, ray[1], axis, room.permittivity[axis, side])
-        left_x, left_y, left_z = left_x - (axis == 0), left_y - (axis == 1), left_z - (axis == 2)
-        rest -= step
-    pass_obstacles(ray, rest, obstacles, totals)
+    e: ComplexVector,
+    bounces: tuple[int, int, int],
+    walls: Walls,
+    obstacles: FloatArray,
+) -> tuple[ComplexVector, float, float]:
+    """Follow a ray, start and direction, from wall to wall; field at its end, loss [dB] and extra length [m]."""
+    at, d = ray
+    left = (abs(bounces[0]), abs(bounces[1]), abs(bounces[2]))
+    rest, loss_db, extra_m = length_m, 0.0, 0.0
+    for _ in range(left[0] + left[1] + left[2]):
+        axis, step = _next_wall(at, d, left, walls.size_m)
+        more_db, more_m = pass_obstacles(at, d, step, obstacles)
+        loss_db, extra_m, rest = loss_db + more_db, extra_m + more_m, rest - step
+        at = (at[0] + step * d[0], at[1] + step * d[1], at[2] + step * d[2])
+        e, d = _bounce(e, d, axis, walls.permittivity[2 * axis + (d[axis] > 0.0)])
+        left = (left[0] - (axis == 0), left[1] - (axis == 1), left[2] - (axis == 2))
+    more_db, more_m = pass_obstacles(at, d, rest, obstacles)
+    return e, loss_db + more_db, extra_m + more_m
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _to_wall(ray: FloatArray, axis: int, size_m: float) -> float:
-    """Way to the next plane across an axis [m]."""
-    d = ray[1, axis]
-    if d > 0.0:
-        return (size_m - ray[0, axis]) / d
-    return -ray[0, axis] / d if d < 0.0 else 0.0
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _next_wall(at: Vector, d: Vector, left: tuple[int, int, int], size_m: Vector) -> tuple[int, float]:
+    """Axis of the next wall among those that still have bounces left, and the way to it [m]."""
+    axis, step = -1, np.inf
+    for i in range(3):
+        if left[i] > 0:
+            ahead = (size_m[i] - at[i]) / d[i] if d[i] > 0.0 else (-at[i] / d[i] if d[i] < 0.0 else 0.0)
+            if axis < 0 or ahead < step:
+                axis, step = i, ahead
+    return axis, step
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _bounce(e: ComplexArray, d: FloatArray, axis: int, permittivity: float) -> None:
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _bounce(e: ComplexVector, d: Vector, axis: int, permittivity: float) -> tuple[ComplexVector, Vector]:
     """Reflect field and direction at a plane across `axis`.
 
     With the unit vector s across the plane of incidence, the rest of the field lies in that plane; its part along the
-    wall changes sign with -r_TM, its part across the wall with r_TM.
+    wall changes by -r_TM, its part across the wall by r_TM.
     """
-    a, b = (axis + 1) % 3, (axis + 2) % 3
-    cosine = abs(d[axis])
-    sine_squared = d[a] * d[a] + d[b] * d[b]
+    if axis == 0:
+        return _bounce_x(e, d, permittivity)
+    if axis == 1:
+        e, d = _bounce_x((e[1], e[2], e[0]), (d[1], d[2], d[0]), permittivity)
+        return (e[2], e[0], e[1]), (d[2], d[0], d[1])
+    e, d = _bounce_x((e[2], e[0], e[1]), (d[2], d[0], d[1]), permittivity)
+    return (e[1], e[2], e[0]), (d[1], d[2], d[0])
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
+def _bounce_x(e: ComplexVector, d: Vector, permittivity: float) -> tuple[ComplexVector, Vector]:
+    cosine, sine_squared = abs(d[0]), d[1] * d[1] + d[2] * d[2]
     te, tm = -1.0, 1.0
     if permittivity > 0.0:
         root = np.sqrt(permittivity - sine_squared)
         te = (cosine - root) / (cosine + root)
         tm = (permittivity * cosine - root) / (permittivity * cosine + root)
-    s_a, s_b = 1.0, 0.0
+    s_y, s_z = 1.0, 0.0
     if sine_squared > 1e-24:
         sine = np.sqrt(sine_squared)
-        s_a, s_b = d[b] / sine, -d[a] / sine
-    across = e[a] * s_a + e[b] * s_b
-    e[a] = te * across * s_a - tm * (e[a] - across * s_a)
-    e[b] = te * across * s_b - tm * (e[b] - across * s_b)
-    e[axis] *= tm
-    d[axis] = -d[axis]
+        s_y, s_z = d[2] / sine, -d[1] / sine
+    across = e[1] * s_y + e[2] * s_z
+    y, z = across * s_y, across * s_z
+    return (tm * e[0], te * y - tm * (e[1] - y), te * z - tm * (e[2] - z)), (-d[0], d[1], d[2])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _add_ray(
-    e: ComplexArray, axes: FloatArray, scale: float, length_m: float, k: FloatArray, field: ComplexArray
+    e: ComplexVector,
+    axes: FloatArray,
+    length_m: float,
+    k: FloatArray,
+    field: ComplexArray,
+    place: tuple[int, int],
 ) -> None:
-    """Add e·u scale e^{-jkL} for each port and wavenumber, (P, F)."""
+    """Add e·u e^{-jkL} for each port and wavenumber to `field` at row m, tag t."""
+    m, t = place
     phasor, turn, step = _phasor(k[0] * length_m), 1.0 + 0.0j, 0.0
     for f in range(len(k)):
         if f > 0:
@@ -303,24 +342,23 @@ def _add_ray(
                 step = k[f] - k[f - 1]
                 turn = _phasor(step * length_m)
             phasor *= turn
-        for p in range(len(axes)):
-            c = e[0] * axes[p, 0] + e[1] * axes[p, 1] + e[2] * axes[p, 2]
-            field[p, f] += scale * c * phasor
+        for p in range(axes.shape[1]):
+            field[m, t, p, f] += (e[0] * axes[t, p, 0] + e[1] * axes[t, p, 1] + e[2] * axes[t, p, 2]) * phasor
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _phasor(angle: float) -> complex:
     """e^{-j angle}, from a sine and a cosine: twice as fast as a complex exponential."""
     return complex(np.cos(angle), -np.sin(angle))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _left(loss_db: float) -> float:
     """Share of the amplitude that a loss leaves."""
     return np.exp(-_DB_TO_NEPER * loss_db) if loss_db > 0.0 else 1.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _fill_phasors(length_m: float, k: FloatArray, phasors: ComplexArray) -> None:
     for f in range(len(k)):
         phasors[f] = _phasor(k[f] * length_m)
