@@ -12,6 +12,7 @@ from rfcompass.rf.meters import (
     PinItDtwMeter,
     ProfileL1Meter,
     RssiMeter,
+    SarNearfieldMeter,
     meter,
 )
 from rfcompass.rf.phases import PathProfile, path_profile, unwrapped_phase
@@ -34,6 +35,7 @@ __all__ = [
     "PinItDtwMeter",
     "ProfileL1Meter",
     "RssiMeter",
+    "SarNearfieldMeter",
     "build_hologram",
     "dtw",
     "dtw_matrix",

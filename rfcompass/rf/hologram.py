@@ -87,13 +87,19 @@ def build_hologram(trace: ReadTrace, volume: SearchVolume, matching: Matching) -
     """
     turns = round(2.0 * np.pi / trace.phase_modulus_rad)
     k = turns * wavenumber(trace.frequencies_hz)
-    h = _phasors(trace, turns, amplitude=matching.amplitude)
+    h = matched_phasors(trace, turns, amplitude=matching.amplitude)
     tables = tuple(_table(trace, volume, rows, h[rows], k, coherent=matching.coherent) for rows in runs(trace))
     return Hologram(volume, float(2.0 * np.pi / k.max()), tables, matching.differential)
 
 
-def _phasors(trace: ReadTrace, turns: int, *, amplitude: bool) -> ComplexArray:
-    """The channel, or its square (same modulus) for half-turn phases, shape (M, F); 0 where nothing was heard."""
+def matched_phasors(trace: ReadTrace, turns: int, *, amplitude: bool) -> ComplexArray:
+    """The channel as it is matched, shape (M, F); 0 where nothing was heard.
+
+    Args:
+        trace: Reads of one tag.
+        turns: 2 raises the phase to the square and keeps the size, for phases that are known modulo π; otherwise 1.
+        amplitude: Keep |h|, with 1 for the loudest cell; otherwise every cell counts 1.
+    """
     size = np.abs(trace.channel)
     unit = np.divide(trace.channel, size, out=np.zeros_like(trace.channel), where=size > 0) ** turns
     return np.asarray(unit * size / size.max() if amplitude and size.any() else unit)

@@ -10,6 +10,8 @@ import numpy as np
 from rfcompass.arrays import FloatArray, IntArray
 from rfcompass.types.reads import ReadTrace
 
+LEAST_DIFFERENCES = 8  # ours: three unknowns of a place, and enough beside them to see that they fit
+
 
 def runs(trace: ReadTrace) -> list[IntArray]:
     """Split the antenna positions into runs.
@@ -22,6 +24,15 @@ def runs(trace: ReadTrace) -> list[IntArray]:
         rows = np.flatnonzero(trace.antenna_ports == port)
         found += [rows] if trace.tx_positions_m is None else _by_transmitter(rows, trace.tx_positions_m[rows])
     return found
+
+
+def phase_differences(trace: ReadTrace) -> int:
+    """Number of phase differences that are free of the unknown constants.
+
+    A channel that was heard at n positions of a run gives n - 1.
+    """
+    heard = [trace.mask[rows].sum(axis=0) for rows in runs(trace)]
+    return int(sum(np.maximum(count - 1, 0).sum() for count in heard))
 
 
 def legs(trace: ReadTrace) -> float:

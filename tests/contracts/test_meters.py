@@ -17,7 +17,7 @@ FREQUENCIES_HZ = np.array([920.625e6, 922.125e6, 924.125e6])
 LINE_M = np.stack([np.linspace(0.0, 1.0, 51), np.zeros(51), np.zeros(51)], axis=1)
 TAGS_M = np.array([[0.2, 0.6, 0.0], [0.35, 0.6, 0.0], [0.6, 0.7, 0.1], [0.9, 0.8, 0.0]])
 ANGULAR = ("pinit_dtw", "profile_l1", "aoa")
-KEEPS_LATERAL_ORDER = ("auto", "phase_rms", "phase_l1", "phase_dtw", "profile_l1")
+KEEPS_LATERAL_ORDER = ("auto", "sar_nearfield", "phase_rms", "phase_l1", "phase_dtw", "profile_l1")
 IGNORES_LOUDNESS = tuple(kind for kind in METERS if kind != "rssi")
 
 every_kind = pytest.mark.parametrize("kind", METERS)

@@ -9,6 +9,7 @@ from rfcompass.rf.meters.pinit_dtw import PinItDtwMeter
 from rfcompass.rf.meters.profile_l1 import ProfileL1Meter
 from rfcompass.rf.meters.registry import METERS, meter
 from rfcompass.rf.meters.rssi import RssiMeter
+from rfcompass.rf.meters.sar_nearfield import SarNearfieldMeter
 
 __all__ = [
     "METERS",
@@ -20,5 +21,6 @@ __all__ = [
     "PinItDtwMeter",
     "ProfileL1Meter",
     "RssiMeter",
+    "SarNearfieldMeter",
     "meter",
 ]

@@ -14,12 +14,14 @@ from rfcompass.rf.meters.phase_rms import PhaseRmsMeter
 from rfcompass.rf.meters.pinit_dtw import PinItDtwMeter
 from rfcompass.rf.meters.profile_l1 import ProfileL1Meter
 from rfcompass.rf.meters.rssi import RssiMeter
+from rfcompass.rf.meters.sar_nearfield import SarNearfieldMeter
 
 METERS: Mapping[str, type[ProximityMeter]] = MappingProxyType(
     {
         meter.kind: meter
         for meter in (
             AutoMeter,
+            SarNearfieldMeter,
             PhaseRmsMeter,
             PhaseL1Meter,
             PhaseDtwMeter,
