@@ -13,7 +13,7 @@ import numpy as np
 
 from rfcompass import PartDatabase, PartitionLocalizer, YouBot
 from rfcompass.studies.fetch_pictures import draw_approach
-from rfcompass.studies.fetching import FetchTask, JudgedStep, simulate_fetch
+from rfcompass.studies.fetching import FetchTask, JudgedStep, SimulatedFetch
 
 
 def main(fast: bool = False, out: Path = Path("runs/05_moving_robot")) -> list[JudgedStep]:
@@ -26,7 +26,7 @@ def main(fast: bool = False, out: Path = Path("runs/05_moving_robot")) -> list[J
         seed=1,
     )
     steps = []
-    for judged in simulate_fetch(task):
+    for judged in SimulatedFetch(task).steps():
         steps.append(judged)
         turned = judged.theta_error_rad
         theta = "not observable" if turned is None else f"{np.degrees(turned):5.1f}° off"

@@ -8,7 +8,7 @@ follows once there is a grasp planner.
 """
 
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -17,12 +17,13 @@ from planners.hand_over import hand_over
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import NoAnswer, OutOfReach
 from rfcompass.geometry.pose2 import Pose2
-from rfcompass.interfaces import Localizer, MobileManipulator, Scanner
-from rfcompass.localization import in_reach_by_base_end, next_goal
+from rfcompass.interfaces import Localizer, MobileManipulator, ProximityMeter, Scanner
+from rfcompass.localization import in_reach_by_base_end, measure_proximities, next_goal
 from rfcompass.robots import Robot
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.observation import Observation
+from rfcompass.types.proximity import ProximityMatrix
 
 # Where the hand works best on the youBot, base frame [m], and the poses of the hand around it: x, y [m] and the
 # heading of the jaws [rad]. Ours; chosen for unequal radii and directions, all within reach of the arm.
@@ -66,6 +67,7 @@ class FetchStep:
     Attributes:
         phase: `"navigate"` or `"localise"`.
         observation: What was heard.
+        proximity: What it says about distances: as heard, or as measured from the reads.
         configuration: Believed pose and joints of the robot at this stop.
         estimate: Where the part is, in the base frame of this stop.
         in_reach: Whether the robot decided that the part is in reach.
@@ -73,9 +75,15 @@ class FetchStep:
 
     phase: str
     observation: Observation
+    proximity: ProximityMatrix
     configuration: Configuration
     estimate: PartEstimate
     in_reach: bool = False
+
+    @property
+    def measured(self) -> Observation:
+        """The observation with its proximities, as the localizer saw it."""
+        return replace(self.observation, proximity=self.proximity)
 
 
 @dataclass(slots=True)
@@ -88,6 +96,7 @@ class Fetch:
         localizer: Finds the part from the stops so far.
         start: Joints at the start.
         rules: When to do what.
+        meter: Measures the proximities of each stop once, where the device brings none.
     """
 
     robot: Robot
@@ -95,6 +104,7 @@ class Fetch:
     localizer: Localizer
     start: Configuration
     rules: FetchRules = field(default_factory=FetchRules)
+    meter: ProximityMeter | None = None
     _observations: list[Observation] = field(init=False, default_factory=list)
     _joints: FloatArray = field(init=False)
 
@@ -103,7 +113,7 @@ class Fetch:
 
         Raises:
             OutOfReach: If the part is not in reach after `max_moves` moves, or the hand cannot get over it.
-            NoAnswer: If the localizer has no answer; what it said, with the stop's number.
+            NoAnswer: If the meter or the localizer has no answer; what it said, with the stop's number.
         """
         self._joints = self.start.joints
         step = yield from self._navigate()
@@ -142,23 +152,18 @@ class Fetch:
 
     def _stop(self, phase: str) -> FetchStep:
         observation = self.device.scan()
-        self._observations.append(observation)
         try:
+            matrix = measure_proximities(observation, self.meter)
+            self._observations.append(replace(observation, proximity=matrix))
             estimate = self.localizer.estimate(self._observations)
         except NoAnswer as error:
             raise error.with_numbers(stop=observation.stop_id, phase=phase) from error
         configuration = self.robot.configuration(self._joints, observation.base_pose)
-        return FetchStep(phase, observation, configuration, estimate, self._in_reach(observation, estimate))
+        return FetchStep(phase, observation, matrix, configuration, estimate, self._in_reach(matrix, estimate))
 
-    def _in_reach(self, observation: Observation, estimate: PartEstimate) -> bool:
-        """Near by the estimate and by what the tags say: comparisons alone hardly see the distance of a far part.
-
-        Where a scan brings no ready-made proximities the estimate decides alone.
-        """
-        if estimate.distance_m > self.rules.reach_m:
-            return False
-        matrix = observation.proximity
-        return matrix is None or in_reach_by_base_end(matrix, self.robot.layout)
+    def _in_reach(self, matrix: ProximityMatrix, estimate: PartEstimate) -> bool:
+        """Near by the estimate and by what the tags say: comparisons alone hardly see the distance of a far part."""
+        return estimate.distance_m <= self.rules.reach_m and in_reach_by_base_end(matrix, self.robot.layout)
 
     def _half_way(self, estimate: PartEstimate) -> Pose2:
         """Drive D/2 in the direction φ of the part and face it [Wang2013], section 4.2.B."""

@@ -1,7 +1,8 @@
 """`rfcompass fetch PART`: the whole RF-Compass job in a simulated room."""
 
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -9,18 +10,33 @@ from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_lin
 from rfcompass.cli.output import JsonFlag, answering, failure_json, messages, plain, print_json
 
 if TYPE_CHECKING:
+    from planners.fetch import FetchStep
     from rfcompass.errors import NoAnswer
     from rfcompass.recordings import Run
-    from rfcompass.studies.fetching import FetchTask, JudgedStep
+    from rfcompass.studies.fetching import FetchTask, JudgedStep, SimulatedFetch
+
+
+class Mode(StrEnum):
+    """The paper's rig and estimator end to end, or the best that we have."""
+
+    PAPER = "paper"
+    BEST = "best"
 
 
 def fetch(
     part: Annotated[str, typer.Argument(help="Part to fetch, by its name in the part database.")],
+    mode: Annotated[Mode, typer.Option(help="The paper's rig and estimator end to end, or our best.")] = Mode.BEST,
     seed: Annotated[int, typer.Option(min=0, help="Start poses and all noise follow from it.")] = 0,
     tags: Annotated[int, typer.Option(min=1, help="Number of tags on the part.")] = 4,
-    estimator: Annotated[Estimator, typer.Option(help="How to find the part.")] = Estimator.PARTITION,
+    estimator: Annotated[Estimator | None, typer.Option(help="How to find the part; by default the mode's.")] = None,
+    proximity: Annotated[
+        str | None, typer.Option(help="Meter, by default the mode's; noisy_distance: no radio, distances with noise.")
+    ] = None,
+    scene: Annotated[str, typer.Option(help="Room, by name or scene recipe file.")] = "room_los",
+    occluded: Annotated[bool, typer.Option(help="A board before the part, a chair over it: scene room_nlos.")] = False,
+    others: Annotated[bool, typer.Option(help="All other tagged parts of its kind lie in the room, too.")] = False,
     robot: Annotated[str, typer.Option(help="Robot that has a posture 'scan', by name or file.")] = "youbot",
-    sigma: Annotated[float, typer.Option(min=0.0, help="Noise of the proximities: deviation of log m.")] = 0.05,
+    sigma: Annotated[float, typer.Option(min=0.0, help="Without radio: standard deviation of log m.")] = 0.05,
     out: Annotated[Path | None, typer.Option(help="Run folder; by default runs/fetch-PART-SEED.")] = None,
     overwrite: Annotated[bool, typer.Option(help="Replace a run that is already there.")] = False,
     show: Annotated[bool, typer.Option(help="Open the run's page in a browser.")] = False,
@@ -32,7 +48,7 @@ def fetch(
 
     from rfcompass.recordings import PartDatabase, check_target, write_run
     from rfcompass.robots import load_robot
-    from rfcompass.simulation import RoomNoise
+    from rfcompass.studies import fetch_modes
     from rfcompass.studies.fetching import FetchTask
 
     with answering(as_json):
@@ -40,16 +56,22 @@ def fetch(
         check_target(target, overwrite=overwrite)
         with PartDatabase(database) as parts:
             wanted = parts.part(part)
+            near = tuple(other for other in parts.parts() if other.part_id != part and others)
+        how = fetch_modes.fetch_mode(
+            fetch_modes.Mode(mode), proximity, None if estimator is None else localizer(estimator)
+        ).in_scene(scene="room_nlos" if occluded else scene, others=near)  # fmt: skip
         task = FetchTask(
-            robot=load_robot(robot), part=wanted, tags=tags, localizer=localizer(estimator), seed=seed,
-            noise=RoomNoise(distance_sigma=sigma),
+            robot=load_robot(robot), part=wanted, tags=tags, localizer=how.localizer, seed=seed,
+            radio=how.radio, meter=how.meter, sigma=sigma,
         )  # fmt: skip
-        steps, failure = _run(task)
-        asked = {"command": "fetch", "part": part, "seed": seed, "tags": tags, "estimator": estimator.value,
-                 "robot": robot, "sigma": sigma}  # fmt: skip
-        if steps:
-            write_run(_as_run(task, steps, failure, asked), target, overwrite=overwrite)
-            messages().print(f"run folder: {target}; look at {target / 'view.html'}", markup=False)
+        asked: dict[str, object] = {"command": "fetch", "part": part, "mode": mode.value, "seed": seed, "tags": tags,
+                 "estimator": estimator, "proximity": proximity, "scene": scene, "occluded": occluded,
+                 "others": others, "robot": robot, "sigma": sigma}  # fmt: skip
+        run, steps, failure = _run(task)
+        if run.stops:
+            write_run(_as_run(task, run, steps, failure, asked), target, overwrite=overwrite)
+            page = f"; look at {target / 'view.html'}" if steps else ""
+            messages().print(f"run folder: {target}{page}", markup=False)
         if failure is not None:
             raise failure
         last = steps[-1]
@@ -58,25 +80,29 @@ def fetch(
             webbrowser.open((target / "view.html").resolve().as_uri())
         if as_json:
             error = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
-            answer = estimate_json(last.step.estimate, "noisy_distance")
+            answer = _step_json(last.step)
             print_json({**answer, "run": str(target), "stops_made": len(steps), "simulated_error": error})
 
 
-def _run(task: "FetchTask") -> "tuple[list[JudgedStep], NoAnswer | None]":
+def _run(task: "FetchTask") -> "tuple[SimulatedFetch, list[JudgedStep], NoAnswer | None]":
     """Run the loop and say what it does, stop by stop; return the steps, and how it failed if it did."""
     from rfcompass.errors import NoAnswer
-    from rfcompass.studies.fetching import simulate_fetch
+    from rfcompass.studies.fetching import SimulatedFetch
 
-    console, steps = messages(), []
+    console, steps, run = messages(), [], SimulatedFetch(task)
     with console.status(f"fetching {task.part.part_id}") as status:
         try:
-            for judged in simulate_fetch(task):
+            for judged in run.steps():
                 steps.append(judged)
                 status.update(f"{judged.step.phase}: stop {judged.step.observation.stop_id}")
                 console.print(_line(judged), markup=False)
         except NoAnswer as failure:
-            return steps, failure
-    return steps, None
+            return run, steps, failure
+    return run, steps, None
+
+
+def _step_json(step: "FetchStep") -> dict[str, Any]:
+    return estimate_json(step.estimate, step.proximity.kind)
 
 
 def _line(judged: "JudgedStep") -> str:
@@ -87,30 +113,36 @@ def _line(judged: "JudgedStep") -> str:
 
 
 def _as_run(
-    task: "FetchTask", steps: "list[JudgedStep]", failure: "NoAnswer | None", asked: dict[str, object]
+    task: "FetchTask",
+    run: "SimulatedFetch",
+    steps: "list[JudgedStep]",
+    failure: "NoAnswer | None",
+    asked: dict[str, object],
 ) -> "Run":
+    import numpy as np
+
     from rfcompass.recordings import Run
     from rfcompass.studies.fetch_pictures import draw_approach, draw_last_partition, draw_scene
     from rfcompass.studies.fetch_trace import fetch_trace
     from rfcompass.studies.versions import software_versions
 
-    estimate = steps[-1].step.estimate
     events = [
         plain({"stop": s.step.observation.stop_id, "phase": s.step.phase, "in_reach": s.step.in_reach,
                "base": [s.step.configuration.base.x_m, s.step.configuration.base.y_m,
                         s.step.configuration.base.theta_rad],
-               "estimate": estimate_json(s.step.estimate, "noisy_distance")})
+               "estimate": _step_json(s.step)})
         for s in steps
     ]  # fmt: skip
+    pictures = {
+        "partition.png": lambda path: draw_last_partition(task, steps).savefig(path, dpi=130),
+        "approach.png": lambda path: draw_approach(task, steps).savefig(path, dpi=130),
+        "view.html": lambda path: draw_scene(task, steps, path),
+    }
     return Run(
         asked={**asked, "versions": software_versions()},
         events=events,
-        trace=fetch_trace(task, [judged.step for judged in steps]),
-        estimate=plain(estimate_json(estimate, "noisy_distance") if failure is None else failure_json(failure)),
-        samples=estimate.samples,
-        pictures={
-            "partition.png": lambda path: draw_last_partition(task, steps).savefig(path, dpi=130),
-            "approach.png": lambda path: draw_approach(task, steps).savefig(path, dpi=130),
-            "view.html": lambda path: draw_scene(task, steps, path),
-        },
+        trace=fetch_trace(task.robot, run.stops),
+        estimate=plain(_step_json(steps[-1].step) if failure is None else failure_json(failure)),
+        samples=steps[-1].step.estimate.samples if steps else np.zeros((0, 3)),
+        pictures=pictures if steps else {},
     )

@@ -157,6 +157,13 @@ class Robot:
         points_m = np.array([T.translation for T in poses]).reshape(-1, 3)
         return TagPositions("base", self.layout.epcs, points_m)
 
+    def tag_dipoles(self, configuration: Configuration) -> FloatArray:
+        """Directions of all tags' electrical axes in the base frame, unit vectors, shape (N, 3)."""
+        links = [self.kinematics.frame_id(link) for link in self.layout.frames]
+        poses = self.kinematics.poses(configuration.joints, links)
+        turned = [T.rotation @ dipole for T, dipole in zip(poses, self.layout.dipoles, strict=True)]
+        return np.array(turned).reshape(-1, 3)
+
     def tag_positions_batch(self, joints: npt.ArrayLike) -> FloatArray:
         """Positions of all tags in the base frame at many configurations [m], shape (B, N, 3).
 

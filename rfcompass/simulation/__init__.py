@@ -21,15 +21,19 @@ if TYPE_CHECKING:
     from rfcompass.simulation.inventory import Inventory as Inventory
     from rfcompass.simulation.inventory import Misses as Misses
     from rfcompass.simulation.inventory import simulate_inventory as simulate_inventory
+    from rfcompass.simulation.inventory_scan import inventory_scan as inventory_scan
     from rfcompass.simulation.placed_tags import DUAL_DIPOLE as DUAL_DIPOLE
     from rfcompass.simulation.placed_tags import SQUIGGLE as SQUIGGLE
     from rfcompass.simulation.placed_tags import PlacedTags as PlacedTags
     from rfcompass.simulation.placed_tags import TagModel as TagModel
     from rfcompass.simulation.plane_room import PlaneRoom as PlaneRoom
-    from rfcompass.simulation.plane_room import RoomNoise as RoomNoise
-    from rfcompass.simulation.plane_room import SimulatedRobot as SimulatedRobot
     from rfcompass.simulation.radio_scene import RadioScene as RadioScene
     from rfcompass.simulation.radio_scene import Scatterers as Scatterers
+    from rfcompass.simulation.radio_sensing import FAR_L_M as FAR_L_M
+    from rfcompass.simulation.radio_sensing import FAR_LINE_M as FAR_LINE_M
+    from rfcompass.simulation.radio_sensing import Carrier as Carrier
+    from rfcompass.simulation.radio_sensing import RadioSensor as RadioSensor
+    from rfcompass.simulation.radio_sensing import metal_body as metal_body
     from rfcompass.simulation.reader_noise import NOISE_BAD as NOISE_BAD
     from rfcompass.simulation.reader_noise import NOISE_NONE as NOISE_NONE
     from rfcompass.simulation.reader_noise import NOISE_R420 as NOISE_R420
@@ -48,7 +52,14 @@ if TYPE_CHECKING:
     from rfcompass.simulation.recipes import SCENES as SCENES
     from rfcompass.simulation.recipes import load_recipe as load_recipe
     from rfcompass.simulation.recipes import recipe_from_json as recipe_from_json
+    from rfcompass.simulation.room_sensing import Heard as Heard
+    from rfcompass.simulation.room_sensing import NoisyDistances as NoisyDistances
+    from rfcompass.simulation.room_sensing import RoomSensor as RoomSensor
+    from rfcompass.simulation.room_sensing import RoomState as RoomState
     from rfcompass.simulation.scene_recipe import SceneRecipe as SceneRecipe
+    from rfcompass.simulation.simulated_robot import RecordedStop as RecordedStop
+    from rfcompass.simulation.simulated_robot import SimulatedRobot as SimulatedRobot
+    from rfcompass.simulation.simulated_robot import WheelSlip as WheelSlip
     from rfcompass.simulation.sweep import SweepScene as SweepScene
     from rfcompass.simulation.sweep import simulate_sweep as simulate_sweep
     from rfcompass.simulation.tracks import AntennaTrack as AntennaTrack
@@ -97,8 +108,19 @@ _HOME = {
     "SceneRecipe": "scene_recipe",
     "AntennaTrack": "tracks",
     "PlaneRoom": "plane_room",
-    "RoomNoise": "plane_room",
-    "SimulatedRobot": "plane_room",
+    "FAR_L_M": "radio_sensing",
+    "FAR_LINE_M": "radio_sensing",
+    "Carrier": "radio_sensing",
+    "RadioSensor": "radio_sensing",
+    "metal_body": "radio_sensing",
+    "Heard": "room_sensing",
+    "NoisyDistances": "room_sensing",
+    "RoomSensor": "room_sensing",
+    "RoomState": "room_sensing",
+    "RecordedStop": "simulated_robot",
+    "SimulatedRobot": "simulated_robot",
+    "WheelSlip": "simulated_robot",
+    "inventory_scan": "inventory_scan",
     "SweepScene": "sweep",
     "simulate_sweep": "sweep",
 }
@@ -106,6 +128,8 @@ _HOME = {
 __all__ = [
     "DUAL_DIPOLE",
     "ETSI_HZ",
+    "FAR_LINE_M",
+    "FAR_L_M",
     "FCC_HZ",
     "LOG_PERIODIC",
     "NOISES",
@@ -127,26 +151,35 @@ __all__ = [
     "AntennaRow",
     "AntennaTrack",
     "Backscatter",
+    "Carrier",
     "FixedTransmitters",
     "Gen2Slots",
+    "Heard",
     "Inventory",
     "Misses",
     "NoiseModel",
+    "NoisyDistances",
     "PlacedTags",
     "PlaneRoom",
     "RadioScene",
+    "RadioSensor",
     "ReaderRig",
-    "RoomNoise",
+    "RecordedStop",
+    "RoomSensor",
+    "RoomState",
     "Scatterers",
     "SceneRecipe",
     "SimulatedRobot",
     "SweepScene",
     "TagModel",
+    "WheelSlip",
     "WristTransmitter",
     "backscatter",
     "image_indices",
+    "inventory_scan",
     "load_recipe",
     "look_along",
+    "metal_body",
     "one_way_field",
     "recipe_from_json",
     "simulate_inventory",

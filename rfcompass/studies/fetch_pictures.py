@@ -19,7 +19,7 @@ _AROUND_M = 0.8  # half the width of the partition's picture
 
 def draw_last_partition(task: FetchTask, steps: Sequence[JudgedStep]) -> Figure:
     """Draw the comparisons of the last window and what they leave, as in Fig. 1 and Fig. 6 of [Wang2013]."""
-    observations = recent_stops([judged.step.observation for judged in steps])
+    observations = recent_stops([judged.step.measured for judged in steps])
     newest, estimate = observations[-1], steps[-1].step.estimate
     stops = compared_stops(observations)
     anchors = [

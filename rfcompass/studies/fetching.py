@@ -1,4 +1,4 @@
-"""One simulated fetch from its seed: room, robot, noise, loop. What the command line runs and studies repeat."""
+"""One simulated fetch from its seed: room, robot, radio, loop. What the command line runs and studies repeat."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -8,11 +8,13 @@ import numpy as np
 from planners.fetch import Fetch, FetchRules, FetchStep
 from rfcompass.evaluation.metrics import angle_error_rad, position_error_m
 from rfcompass.geometry.pose2 import Pose2
-from rfcompass.interfaces import Localizer
+from rfcompass.interfaces import Localizer, ProximityMeter
 from rfcompass.robots import Robot
-from rfcompass.simulation import PlaneRoom, RoomNoise, SimulatedRobot
+from rfcompass.simulation import NoisyDistances, PlaneRoom, RecordedStop, RoomSensor, SimulatedRobot, WheelSlip
+from rfcompass.studies.radio_setup import AREA_M, DRIVE_AREA_M, RadioSetup
 from rfcompass.studies.study import trial_rng
 from rfcompass.types.parts import Part
+from rfcompass.types.tags import TagLayout
 
 SCAN_POSTURE = "scan"
 
@@ -29,7 +31,10 @@ class FetchTask:
         localizer: Finds the part.
         seed: Start poses and all noise follow from it.
         rules: When the loop does what.
-        noise: How much worse than ideal the room is.
+        radio: What it hears with; None for distances with noise, without any radio.
+        meter: Measures proximities from the reads of a radio.
+        sigma: Noise of the distances where there is no radio: standard deviation of log m.
+        slip: How far the wheels slip.
     """
 
     robot: Robot
@@ -39,7 +44,10 @@ class FetchTask:
     seed: int
     spacing: str = "ends"
     rules: FetchRules = field(default_factory=FetchRules)
-    noise: RoomNoise = field(default_factory=RoomNoise)
+    radio: RadioSetup | None = None
+    meter: ProximityMeter | None = None
+    sigma: float = 0.05
+    slip: WheelSlip = field(default_factory=WheelSlip)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,23 +67,49 @@ class JudgedStep:
     T_room_base: Pose2
 
 
-def simulate_fetch(task: FetchTask) -> Iterator[JudgedStep]:
-    """Run the loop in a plane room and judge every step.
+class SimulatedFetch:
+    """The loop in a simulated room, judged step by step.
 
-    Raises:
-        NoAnswer: If the loop ends without the part; the subclass says why.
+    Args:
+        task: What to fetch.
     """
-    rng = trial_rng("fetch", task.seed)
-    start = task.robot.posture(SCAN_POSTURE)
-    layout = task.part.layout(task.tags, task.spacing)
-    room = PlaneRoom.draw(rng)
-    device = SimulatedRobot(task.robot, task.part, layout, room, rng, start.joints, task.noise)
-    for step in Fetch(task.robot, device, task.localizer, start, task.rules).steps():
-        truth = device.true_pose_in_base()
-        theta_rad = step.estimate.theta_rad
-        yield JudgedStep(
-            step,
-            float(position_error_m(step.estimate.centre_m, truth.translation_m)),
-            None if theta_rad is None else float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad))),
-            device.true_pose_in_room(),
-        )
+
+    def __init__(self, task: FetchTask) -> None:
+        """Furnish the room and put the robot into it."""
+        rng = trial_rng("fetch", task.seed)
+        layout = task.part.layout(task.tags, task.spacing)
+        room = PlaneRoom.draw(rng) if task.radio is None else PlaneRoom.draw(rng, area_m=AREA_M)
+        sensor = _sensor(task, room, layout, rng)
+        start = task.robot.posture(SCAN_POSTURE)
+        self._device = SimulatedRobot(
+            task.robot, task.part, layout, room, rng, start.joints, sensor, task.slip,
+            None if task.radio is None else DRIVE_AREA_M,
+        )  # fmt: skip
+        self._loop = Fetch(task.robot, self._device, task.localizer, start, task.rules, task.meter)
+
+    @property
+    def stops(self) -> tuple[RecordedStop, ...]:
+        """All stops so far, one whose localisation failed included."""
+        return self._device.stops
+
+    def steps(self) -> Iterator[JudgedStep]:
+        """Run the loop and judge every step.
+
+        Raises:
+            NoAnswer: If the loop ends without the part; the subclass says why.
+        """
+        for step in self._loop.steps():
+            truth = self._device.true_pose_in_base()
+            theta_rad = step.estimate.theta_rad
+            yield JudgedStep(
+                step,
+                float(position_error_m(step.estimate.centre_m, truth.translation_m)),
+                None if theta_rad is None else float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad))),
+                self._device.true_pose_in_room(),
+            )
+
+
+def _sensor(task: FetchTask, room: PlaneRoom, layout: TagLayout, rng: np.random.Generator) -> RoomSensor:
+    if task.radio is None:
+        return NoisyDistances(task.sigma)
+    return task.radio.sensor(room, task.robot.layout, layout, rng)

@@ -58,7 +58,22 @@ def test_locate_finds_in_the_trace_what_fetch_found(run, answer, fetched):
     found = run("locate", fetched / "trace", "--part", "table_leg_3", "--database", ":memory:", "--json").json
     assert found["centre_m"] == answer["centre_m"]
     assert found["theta_rad"] == answer["theta_rad"]
-    assert found["proximity"] == "noisy_distance"
+    assert found["proximity"] == answer["proximity"] == "sar_nearfield"
+
+
+def test_without_a_radio_the_distances_are_known_up_to_noise(run, tmp_path):
+    options = ("--proximity", "noisy_distance", "--sigma", 0.0, "--seed", 3, "--out", tmp_path / "run")
+    ran = run("fetch", "table_leg_3", *options, "--database", ":memory:", "--json")
+    assert ran.json["proximity"] == "noisy_distance"
+    assert ran.json["simulated_error"]["centre_m"] < 0.05
+
+
+def test_the_papers_way_ends_with_an_answer_or_a_typed_reason(run, tmp_path):
+    options = ("--mode", "paper", "--seed", 3, "--out", tmp_path / "run")
+    ran = run("fetch", "table_leg_3", *options, "--database", ":memory:", "--json")
+    assert ran.code in (0, 1)
+    assert ran.code == 0 or ran.json["failure"]["kind"] in ("Infeasible", "OutOfReach", "TagNeverHeard")
+    assert open_trace(tmp_path / "run" / "trace").meta.geometry == "bistatic"
 
 
 def test_view_leads_to_the_page_of_a_run(run, answer, fetched):
@@ -78,6 +93,8 @@ def test_a_run_is_not_overwritten_unasked(run, answer, fetched):
         (("table_leg_9",), "UnknownPart"),
         (("table_leg_3", "--robot", "r2d2"), "UnknownRobot"),
         (("table_leg_3", "--tags", "7"), "PartError"),
+        (("table_leg_3", "--proximity", "guess"), "UnknownMeter"),
+        (("table_leg_3", "--scene", "moon"), "SceneError"),
     ],
 )
 def test_what_does_not_exist_is_bad_input_and_leaves_nothing(run, tmp_path, options, kind):

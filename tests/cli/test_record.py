@@ -144,11 +144,13 @@ def test_ctrl_c_ends_the_recording_and_keeps_every_read_that_went_out(tmp_path, 
 
 
 def test_a_recording_that_was_killed_can_be_recovered(run, tmp_path):
-    with EmulatedReader(SequenceSource(some_reads(60_000), pace=Pace(reads_per_s=1000.0))) as reader:
-        with record_process(reader, tmp_path / "t") as process:
-            wait_until(lambda: reader.sent > 300)
-            process.kill()
-            process.communicate(timeout=30)
+    with (
+        EmulatedReader(SequenceSource(some_reads(60_000), pace=Pace(reads_per_s=1000.0))) as reader,
+        record_process(reader, tmp_path / "t") as process,
+    ):
+        wait_until(lambda: reader.sent > 300)
+        process.kill()
+        process.communicate(timeout=30)
     assert [entry.name for entry in tmp_path.iterdir()] == ["t.recording"]
     again = run("record", "127.0.0.1", "--port", 1, "--out", tmp_path / "t")
     assert again.code == 2

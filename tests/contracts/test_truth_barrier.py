@@ -15,7 +15,7 @@ from rfcompass.recordings import AntennaPoses, PartDatabase, Trace, TraceMeta, o
 from rfcompass.robots import YouBot
 from rfcompass.simulation import SweepScene, simulate_sweep
 from rfcompass.studies.fetch_trace import fetch_trace
-from rfcompass.studies.fetching import FetchTask, simulate_fetch
+from rfcompass.studies.fetching import FetchTask, SimulatedFetch
 
 # What an estimator says about its own work; goes out, never in.
 FREE_FORM = {("PartEstimate", "diagnostics")}
@@ -88,8 +88,9 @@ def test_reads_shuffled_among_the_tags_tell_nothing():
 def test_a_fetch_located_again_from_its_trace_gives_the_same_answer(localizer, tmp_path):
     leg = PartDatabase(":memory:").part("table_leg_3")
     task = FetchTask(robot=YouBot(), part=leg, tags=4, localizer=localizer, seed=2)
-    steps = [judged.step for judged in simulate_fetch(task)]
-    write_trace(fetch_trace(task, steps), tmp_path / "trace")
+    run = SimulatedFetch(task)
+    steps = [judged.step for judged in run.steps()]
+    write_trace(fetch_trace(task.robot, run.stops), tmp_path / "trace")
     again = localizer.estimate(open_trace(tmp_path / "trace").observations(task.robot, leg))
     assert np.array_equal(again.centre_m, steps[-1].estimate.centre_m)
     assert again.theta_rad == steps[-1].estimate.theta_rad

@@ -9,18 +9,19 @@ from rfcompass.geometry import Pose2
 from rfcompass.interfaces import MobileManipulator, Scanner
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import YouBot
-from rfcompass.simulation import PlaneRoom, RoomNoise, SimulatedRobot
+from rfcompass.simulation import NoisyDistances, PlaneRoom, SimulatedRobot, WheelSlip
 from rfcompass.types import PartEstimate
 
 ROBOT = YouBot()
 LEG = PartDatabase(":memory:").part("table_leg_3")
-IDEAL = RoomNoise(distance_sigma=0.0, slip_m=0.0, slip_rad=0.0)
+EXACT = NoisyDistances(0.0)
+NO_SLIP = WheelSlip(position_m=0.0, heading_rad=0.0)
 
 
 def a_device(x_m=3.0, y_m=1.0, theta_rad=0.7):
     room = PlaneRoom(T_room_base=Pose2(), T_room_part=Pose2(x_m, y_m, theta_rad))
     rng = np.random.default_rng(0)
-    return SimulatedRobot(ROBOT, LEG, LEG.layout(4), room, rng, ROBOT.posture("scan").joints, IDEAL)
+    return SimulatedRobot(ROBOT, LEG, LEG.layout(4), room, rng, ROBOT.posture("scan").joints, EXACT, NO_SLIP)
 
 
 class Clairvoyant:

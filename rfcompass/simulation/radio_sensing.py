@@ -1,0 +1,153 @@
+"""A scan by radio: an antenna carrier drives its track while the reader takes the inventory of all tags."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray, read_only
+from rfcompass.errors import InputError
+from rfcompass.geometry.pose2 import Pose2
+from rfcompass.simulation.inventory import simulate_inventory
+from rfcompass.simulation.placed_tags import PlacedTags
+from rfcompass.simulation.radio_scene import RadioScene, Scatterers
+from rfcompass.simulation.reader_rig import RIG_PAPER, ReaderRig
+from rfcompass.simulation.room_sensing import Heard, RoomState
+from rfcompass.simulation.tracks import AntennaTrack
+from rfcompass.types.record import Record
+
+# Ours: one straight track along a wall of the 6 x 5 m room, and an L along two walls; 3 m each leg, and the whip 0.3 m
+# above the floor. They keep 0.7 m from the walls.
+FAR_LINE_M = ((1.5, 0.7, 0.3), (4.5, 0.7, 0.3))
+FAR_L_M = ((3.7, 0.7, 0.3), (0.7, 0.7, 0.3), (0.7, 3.7, 0.3))
+
+# Ours: the metal of the robot as four small scatterers about its base, in the base frame [m], and their size [m²].
+# A point stands for a body only from afar, so each keeps half a wavelength, 16 cm, from every tag of the X4 layout.
+BODY_POINTS_M = ((0.10, 0.0, 0.08), (-0.05, 0.0, 0.08), (-0.24, 0.0, 0.06), (0.20, 0.0, 0.35))
+BODY_CROSS_SECTION_M2 = (0.1, 0.1, 0.1, 0.03)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Carrier(Record):
+    """A second robot that drives the receiving antenna along straight legs, and how well it knows where it is.
+
+    All values are ours; [Wang2013] prints none.
+
+    Attributes:
+        corners_m: Corners of the track in the room [m], shape (C, 3).
+        spacing_m: Largest distance between two positions [m].
+        walk_m: Standard deviation of each step of a random walk about the track [m].
+        leg_offset_m: Standard deviation of the place of every leg after the first, along x and y [m].
+        leg_turn_rad: Standard deviation of its heading [rad].
+    """
+
+    corners_m: FloatArray = field(default_factory=lambda: np.array(FAR_L_M))
+    spacing_m: float = 0.04
+    walk_m: float = 0.001
+    leg_offset_m: float = 0.02
+    leg_turn_rad: float = float(np.deg2rad(1.0))
+
+    def __post_init__(self) -> None:
+        """Freeze the corners; refuse errors that cannot be."""
+        object.__setattr__(self, "corners_m", read_only(self.corners_m, "Carrier.corners_m", (None, 3)))
+        for name in ("walk_m", "leg_offset_m", "leg_turn_rad"):
+            if not (np.isfinite(value := getattr(self, name)) and value >= 0):
+                raise InputError(f"Carrier.{name}: {value} is not a finite number >= 0", name=name)
+
+    def track(self) -> AntennaTrack:
+        """Return where the carrier believes that it goes."""
+        return _joined([AntennaTrack.line(*leg, self.spacing_m) for leg in self._legs()])
+
+    def driven(self, rng: np.random.Generator) -> AntennaTrack:
+        """Return where it truly goes: every leg after the first has an error of its own."""
+        driven = []
+        for index, leg in enumerate(self._legs()):
+            known = 0.0 if index == 0 else 1.0
+            nominal = AntennaTrack.line(*leg, self.spacing_m)
+            driven.append(
+                nominal.perturbed(
+                    rng,
+                    walk_m_per_step=self.walk_m,
+                    offset_m=known * self.leg_offset_m,
+                    turn_rad=known * self.leg_turn_rad,
+                )
+            )
+        return _joined(driven)
+
+    def _legs(self) -> list[tuple[FloatArray, FloatArray]]:
+        return list(zip(self.corners_m[:-1], self.corners_m[1:], strict=True))
+
+
+def _joined(legs: Sequence[AntennaTrack]) -> AntennaTrack:
+    whole = legs[0]
+    for leg in legs[1:]:
+        whole = whole.then(leg)
+    return whole
+
+
+def metal_body() -> Scatterers:
+    """Scatterers of a youBot, in its base frame; sizes and places are ours."""
+    points_m = np.array(BODY_POINTS_M)
+    return Scatterers(points_m, np.array(BODY_CROSS_SECTION_M2), np.arange(len(points_m)) * np.pi / 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RadioSensor:
+    """Hears the tags of a room by radio.
+
+    Tags keep their own phase and gain from stop to stop. The robot's body scatters from wherever it stands.
+
+    Attributes:
+        scene: Room, obstacles and scatterers.
+        robot_tags: Tags of the robot, in the order of its layout; where they are is told by each scan.
+        part_tags: Tags of the part, likewise.
+        other_tags: Tags of other parts in the room, where they lie.
+        rig: The reader.
+        carrier: Who moves the antenna.
+        body: Scatterers of the robot in its base frame; `Scatterers.none()` for a robot of air.
+    """
+
+    scene: RadioScene
+    robot_tags: PlacedTags
+    part_tags: PlacedTags
+    other_tags: tuple[PlacedTags, ...] = ()
+    rig: ReaderRig = RIG_PAPER
+    carrier: Carrier = field(default_factory=Carrier)
+    body: Scatterers = field(default_factory=metal_body)
+
+    def hear(self, state: RoomState, rng: np.random.Generator) -> Heard:
+        """Drive the track once and take the inventory."""
+        tags = _together(
+            (
+                self.robot_tags.moved(state.anchors.points_m, state.anchor_dipoles),
+                self.part_tags.moved(state.targets.points_m, state.target_dipoles),
+                *self.other_tags,
+            )
+        )
+        scene = self.scene.with_scatterers(_carried(self.body, state.T_room_base))
+        track, nominal = self.carrier.driven(rng), self.carrier.track()
+        return Heard(inventory=simulate_inventory(scene, self.rig, track, tags, rng, nominal_track=nominal))
+
+
+def _carried(body: Scatterers, T_room_base: Pose2) -> Scatterers:
+    return Scatterers(
+        T_room_base.apply(body.points_m), body.cross_section_m2, body.phase_rad,
+        Pose2(0.0, 0.0, T_room_base.theta_rad).apply(np.asarray(body.axes)), body.depolarisation,
+    )  # fmt: skip
+
+
+def _together(groups: Sequence[PlacedTags]) -> PlacedTags:
+    """All tags as one set; a reader does not know to which body a tag belongs.
+
+    Raises:
+        InputError: If they are not all of one type.
+    """
+    models = {group.model for group in groups}
+    if len(models) > 1:
+        raise InputError(f"tags of {len(models)} types in one room", types=len(models))
+    points_m, dipoles, phase_rad, gain_db = (
+        np.concatenate([getattr(group, name) for group in groups])
+        for name in ("points_m", "dipoles", "phase_rad", "gain_db")
+    )
+    epcs = tuple(epc for group in groups for epc in group.epcs)
+    return PlacedTags(epcs, points_m, dipoles, groups[0].model, phase_rad, gain_db)

@@ -1,0 +1,185 @@
+"""A robot in a simulated room, behind the protocols of a real one. Its wheels slip; it believes what it commanded."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import InputError
+from rfcompass.geometry.pose2 import Pose2
+from rfcompass.robots.robot import Robot
+from rfcompass.simulation.inventory import Inventory
+from rfcompass.simulation.inventory_scan import inventory_scan
+from rfcompass.simulation.plane_room import PlaneRoom
+from rfcompass.simulation.room_sensing import NoisyDistances, RoomSensor, RoomState
+from rfcompass.types.configuration import Configuration
+from rfcompass.types.grasps import Failure, GraspOutcome
+from rfcompass.types.observation import Observation
+from rfcompass.types.parts import Part
+from rfcompass.types.reads import Scan
+from rfcompass.types.tags import TagLayout, TagPositions
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WheelSlip:
+    """Error of the base after each move. The values are ours; the paper prints none.
+
+    Attributes:
+        position_m: Standard deviation along x and y [m].
+        heading_rad: Standard deviation of the heading [rad].
+    """
+
+    position_m: float = 0.004
+    heading_rad: float = float(np.deg2rad(0.5))
+
+    def __post_init__(self) -> None:
+        """Refuse slip that cannot be."""
+        for name in ("position_m", "heading_rad"):
+            if not (np.isfinite(value := getattr(self, name)) and value >= 0):
+                raise InputError(f"WheelSlip.{name}: {value} is not a finite number >= 0", name=name)
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedStop:
+    """One stop as robot and reader recorded it. Holds no truth.
+
+    Attributes:
+        observation: What an estimator sees.
+        configuration: What the robot believed about itself.
+        inventory: What the reader reported; None where the sensor is no radio.
+    """
+
+    observation: Observation
+    configuration: Configuration
+    inventory: Inventory | None
+
+
+@dataclass(slots=True)
+class SimulatedRobot:
+    """A robot in a room (`Scanner`, `MobileManipulator`).
+
+    Args:
+        robot: The robot's description and kinematics.
+        part: What lies on the floor.
+        layout: Which of the part's tags are on.
+        room: True poses at the start.
+        rng: Source of all noise.
+        joints: Joint values at the start, shape (Q,).
+        sensor: What a scan brings.
+        slip: How far the wheels slip.
+        area_m: Lower and upper corner of where the base's centre can be in the room [m]; its bumper stops it at the
+            border. Everywhere if None.
+    """
+
+    robot: Robot
+    part: Part
+    layout: TagLayout
+    room: PlaneRoom
+    rng: np.random.Generator
+    joints: FloatArray
+    sensor: RoomSensor = field(default_factory=NoisyDistances)
+    slip: WheelSlip = field(default_factory=WheelSlip)
+    area_m: tuple[tuple[float, float], tuple[float, float]] | None = None
+    _believed: Pose2 = field(init=False, default_factory=Pose2)
+    _covariance: FloatArray = field(init=False)
+    _true: Pose2 = field(init=False)
+    _stops: list[RecordedStop] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Stand at the start; odometry begins at zero there."""
+        self._true = self.room.T_room_base
+        self._covariance = np.zeros((3, 3))
+
+    @property
+    def configuration(self) -> Configuration:
+        """What the robot believes about itself: odometry and joint sensors."""
+        return self.robot.configuration(self.joints, self._believed)
+
+    @property
+    def stops(self) -> tuple[RecordedStop, ...]:
+        """All stops so far."""
+        return tuple(self._stops)
+
+    def scan(self) -> Observation:
+        """Inventory all tags from here."""
+        configuration = self.configuration
+        anchors = self.robot.tag_positions(configuration)
+        heard = self.sensor.hear(self._state(anchors), self.rng)
+        known = {*anchors.epcs, *self.layout.epcs}
+        observation = Observation(
+            stop_id=len(self._stops),
+            anchors=anchors,
+            part=self.layout,
+            part_tag_heights_m=self._target_heights_m(),
+            scan=Scan() if heard.inventory is None else inventory_scan(heard.inventory, known),
+            proximity=heard.proximity,
+            base_pose=self._believed,
+            base_covariance=self._covariance,
+        )
+        self._stops.append(RecordedStop(observation, configuration, heard.inventory))
+        return observation
+
+    def move_base(self, T_base_goal: Pose2) -> Pose2:
+        """Drive until the goal or the bumper; the wheels slip, and the robot believes its wheels."""
+        motion = self._until_bumper(T_base_goal)
+        slip_m, slip_rad = self.rng.normal(0.0, self.slip.position_m, 2), self.rng.normal(0.0, self.slip.heading_rad)
+        self._covariance = self._grown_covariance(motion)
+        self._true = self._true @ motion @ Pose2(slip_m[0], slip_m[1], slip_rad)
+        self._believed = self._believed @ motion
+        return motion
+
+    def move_arm(self, joints: FloatArray) -> None:
+        """Move the joints; refuses values outside the limits."""
+        self.robot.check_limits(self.robot.configuration(joints, self._believed))
+        self.joints = np.array(joints, dtype=np.float64)
+
+    def close_hand(self) -> GraspOutcome:
+        """Nothing to close on yet: grasping comes with the grasp planner."""
+        return GraspOutcome(False, Failure("not_simulated", "this room simulates no contact"))
+
+    def true_pose_in_base(self) -> Pose2:
+        """Pose of the part in the true base frame: for evaluation only."""
+        return self._true.inverse() @ self.room.T_room_part
+
+    def true_pose_in_room(self) -> Pose2:
+        """True base pose in the room: for evaluation only."""
+        return self._true
+
+    def _state(self, anchors: TagPositions) -> RoomState:
+        T_room_part = self.room.T_room_part
+        in_part_m = np.column_stack([self.layout.points_m[:, :2], self._target_heights_m()])
+        return RoomState(
+            T_room_base=self._true,
+            anchors=TagPositions("room", anchors.epcs, self._true.apply(anchors.points_m)),
+            anchor_dipoles=_turned(self._true, self.robot.tag_dipoles(self.configuration)),
+            targets=TagPositions("room", self.layout.epcs, T_room_part.apply(in_part_m)),
+            target_dipoles=_turned(T_room_part, self.layout.dipoles),
+        )
+
+    def _target_heights_m(self) -> FloatArray:
+        """Height of each part tag over the floor [m], shape (K,)."""
+        return np.asarray(self.layout.points_m[:, 2] + self.part.resting_height_m)
+
+    def _until_bumper(self, T_base_goal: Pose2) -> Pose2:
+        """The part of a straight drive that stays inside the area; the robot still turns."""
+        if self.area_m is None:
+            return T_base_goal
+        start_m, goal_m = self._true.translation_m, (self._true @ T_base_goal).translation_m
+        lower_m, upper_m = np.array(self.area_m)
+        drive_m = goal_m - start_m
+        room_m = np.where(drive_m > 0, upper_m - start_m, lower_m - start_m)
+        shares = np.divide(room_m, drive_m, out=np.ones(2), where=drive_m != 0)
+        share = float(np.clip(shares.min(), 0.0, 1.0))
+        return Pose2(share * T_base_goal.x_m, share * T_base_goal.y_m, T_base_goal.theta_rad)
+
+    def _grown_covariance(self, motion: Pose2) -> FloatArray:
+        """Covariance of the believed pose after one more move, to first order."""
+        x, y = self._believed.rotation @ motion.translation_m
+        J = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]])
+        step = np.diag([self.slip.position_m**2, self.slip.position_m**2, self.slip.heading_rad**2])
+        return np.asarray(J @ self._covariance @ J.T + step)
+
+
+def _turned(pose: Pose2, directions: FloatArray) -> FloatArray:
+    """Directions of a body's frame, seen from where the body stands, shape (N, 3)."""
+    return Pose2(0.0, 0.0, pose.theta_rad).apply(directions)

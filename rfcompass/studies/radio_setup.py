@@ -1,0 +1,109 @@
+"""Which radio a simulated job uses, and the room that it sounds in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+from rfcompass.geometry.pose2 import Pose2
+from rfcompass.simulation import (
+    FAR_L_M,
+    FAR_LINE_M,
+    RIG_PAPER,
+    SQUIGGLE,
+    Carrier,
+    PlacedTags,
+    PlaneRoom,
+    RadioScene,
+    RadioSensor,
+    ReaderRig,
+    SceneRecipe,
+    TagModel,
+    load_recipe,
+)
+from rfcompass.types.parts import Part
+from rfcompass.types.tags import TagLayout
+
+# Ours: robot and part start clear of the antenna's tracks along two walls and of the other walls; the robot's bumper
+# stops it half a metre from any wall.
+AREA_M = ((1.3, 1.3), (5.5, 4.5))
+DRIVE_AREA_M = ((0.5, 0.5), (5.5, 4.5))
+ROBOT_CLEAR_M = 0.6
+TRACK_CLEAR_M = 0.3
+PART_CLEAR_M = 0.3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RadioSetup:
+    """What a simulated job hears with.
+
+    Attributes:
+        scene: Recipe of the room, by name or file.
+        corners_m: Corners of the antenna's track in the room [m], shape (C, 3).
+        rig: The reader.
+        tag_model: Type of all tags.
+        others: Other tagged parts in the room, all their tags on.
+    """
+
+    scene: str = "room_los"
+    corners_m: Sequence[tuple[float, float, float]] = FAR_L_M
+    rig: ReaderRig = RIG_PAPER
+    tag_model: TagModel = SQUIGGLE
+    others: tuple[Part, ...] = field(default=())
+
+    def sensor(self, room: PlaneRoom, robot: TagLayout, part: TagLayout, rng: np.random.Generator) -> RadioSensor:
+        """Furnish a room for one run, and make the sensor that listens in it.
+
+        Args:
+            room: Where robot and part truly are.
+            robot: The robot's tags.
+            part: The part's tags in use.
+            rng: Source of furniture, scatterers and tag constants.
+        """
+        carrier = Carrier(corners_m=np.array(self.corners_m))
+        recipe = load_recipe(self.scene)
+        scene = self._furnished(recipe, room, carrier, rng)
+        return RadioSensor(
+            scene=scene,
+            robot_tags=self._unplaced(robot, rng),
+            part_tags=self._unplaced(part, rng),
+            other_tags=self._others(recipe, room, rng),
+            rig=self.rig,
+            carrier=carrier,
+        )
+
+    def _furnished(
+        self, recipe: SceneRecipe, room: PlaneRoom, carrier: Carrier, rng: np.random.Generator
+    ) -> RadioScene:
+        track_m = carrier.track().positions_m[:, :2]
+        clear = [(float(x), float(y), TRACK_CLEAR_M) for x, y in track_m[::5]]
+        clear.append((room.T_room_base.x_m, room.T_room_base.y_m, ROBOT_CLEAR_M))
+        part_m, reader_m = room.T_room_part.translation_m, track_m.mean(axis=0)
+        return recipe.draw(rng, part_m=part_m.tolist(), reader_m=reader_m.tolist(), keep_clear=clear)
+
+    def _unplaced(self, layout: TagLayout, rng: np.random.Generator) -> PlacedTags:
+        """Draw the constants of a body's tags; each scan says where they are."""
+        return PlacedTags.draw(layout.epcs, layout.points_m, layout.dipoles, self.tag_model, rng)
+
+    def _others(self, recipe: SceneRecipe, room: PlaneRoom, rng: np.random.Generator) -> tuple[PlacedTags, ...]:
+        if not self.others:
+            return ()
+        T_room_base, T_room_part = room.T_room_base, room.T_room_part
+        taken = [(T_room_base.x_m, T_room_base.y_m, ROBOT_CLEAR_M), (T_room_part.x_m, T_room_part.y_m, ROBOT_CLEAR_M)]
+        spots = recipe.clear_spots(len(self.others), PART_CLEAR_M, taken, rng)
+        headings = rng.uniform(-np.pi, np.pi, len(spots))
+        return tuple(
+            self._lying(part, Pose2(x, y, heading), rng)
+            for part, (x, y), heading in zip(self.others, spots, headings.tolist(), strict=True)
+        )
+
+    def _lying(self, part: Part, pose: Pose2, rng: np.random.Generator) -> PlacedTags:
+        lifted = part.tags.points_m + np.array([0.0, 0.0, part.resting_height_m])
+        turned: FloatArray = Pose2(0.0, 0.0, pose.theta_rad).apply(part.tags.dipoles)
+        return PlacedTags.draw(part.tags.epcs, pose.apply(lifted), turned, self.tag_model, rng)
+
+
+# The paper's rig: one straight slide. Ours: an L, which also sees along the line of sight.
+PAPER_RADIO = RadioSetup(corners_m=FAR_LINE_M)
+BEST_RADIO = RadioSetup()
