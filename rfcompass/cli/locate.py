@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def locate(
     trace: Annotated[Path, typer.Argument(help="Trace folder with stops.csv.")],
     part: Annotated[str, typer.Option(help="Part to find, by its name in the part database.")],
-    estimator: Annotated[Estimator, typer.Option(help="How to find it.")] = Estimator.PARTITION,
+    estimator: Annotated[Estimator, typer.Option(help="How to find it.")] = Estimator.CONSISTENCY,
     proximity: Annotated[str, typer.Option(help="Meter for stops without ready-made proximities.")] = "auto",
     robot: Annotated[str | None, typer.Option(help="Robot name or file; by default what the trace says.")] = None,
     database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
