@@ -20,6 +20,7 @@ from rfcompass.simulation.field_kernels import (
     AntennaRows,
     RoomTable,
     ScattererTable,
+    Surroundings,
     TagRows,
     add_images,
     add_scatterers,
@@ -64,9 +65,10 @@ def one_way_field(
     k, rows, tag_rows = wavenumber(f_hz), _antenna_rows(track, antenna), TagRows(tags.points_m, tags.axes())
     obstacles = obstacle_table(radio_scene.scene)
     field = np.zeros((len(track), len(tags), tag_rows.axes.shape[1], len(k)), dtype=np.complex128)
-    add_images(rows, tag_rows, _room_table(radio_scene), obstacles, k, field)
+    room = _room_table(radio_scene)
+    add_images(rows, tag_rows, room, obstacles, k, field)
     if len(radio_scene.scatterers):
-        add_scatterers(rows, tag_rows, _scatterer_table(radio_scene), obstacles, k, field)
+        add_scatterers(rows, tag_rows, _scatterer_table(radio_scene), Surroundings(room, obstacles), k, field)
     gains = 10.0 ** ((antenna.gain_dbi + tags.model.gain_dbi + tags.gain_db) / 20.0)
     return np.asarray(field * gains[None, :, None, None] / (2.0 * k))
 

@@ -96,6 +96,13 @@ class TagRows(NamedTuple):
     axes: FloatArray
 
 
+class Surroundings(NamedTuple):
+    """What every leg of a path meets: the walls and the obstacles."""
+
+    room: RoomTable
+    obstacles: FloatArray
+
+
 @numba.njit(cache=True, error_model="numpy", fastmath=True)
 def add_images(
     antenna: AntennaRows, tags: TagRows, room: RoomTable, obstacles: FloatArray, k: FloatArray, field: ComplexArray
@@ -119,72 +126,91 @@ def add_scatterers(
     antenna: AntennaRows,
     tags: TagRows,
     scatterers: ScattererTable,
-    obstacles: FloatArray,
+    surroundings: Surroundings,
     k: FloatArray,
     field: ComplexArray,
 ) -> None:
-    """Add Σ_s sqrt(σ/4π) e^{jψ} uᵀ B e e^{-jk(L1+L2)} / (d1 d2) to `field`, (M, T, P, F); legs are walked once."""
+    """Add Σ_s sqrt(σ/4π) e^{jψ} b·B a to `field`, (M, T, P, F).
+
+    a is the field of the antenna at the scatterer, b that of the tag's dipole as an antenna: by reciprocity what the
+    dipole takes of the scatterer. Both come directly and by one bounce; legs are walked once.
+    """
     M, T, P, F = field.shape
-    out, out_phasor = _legs_out(antenna, scatterers, obstacles, k)
-    back, back_phasor = _legs_back(tags, scatterers, obstacles, k)
+    out, back = _legs_out(antenna, scatterers, surroundings, k), _legs_back(tags, scatterers, surroundings, k)
     for m in range(M):
         for t in range(T):
             for s in range(len(scatterers.points_m)):
                 for p in range(P):
-                    c = 0.0j
-                    for axis in range(3):
-                        c += out[m, s, axis] * back[t, s, p, axis]
                     for f in range(F):
-                        field[m, t, p, f] += c * out_phasor[m, s, f] * back_phasor[t, s, f]
+                        a, b = out[m, s, f], back[t, s, p, f]
+                        field[m, t, p, f] += a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=True)
 def _legs_out(
-    antenna: AntennaRows, scatterers: ScattererTable, obstacles: FloatArray, k: FloatArray
-) -> tuple[ComplexArray, ComplexArray]:
-    """Field that each scatterer sends on, (M, S, 3), and the phasors of the legs to it, (M, S, F)."""
+    antenna: AntennaRows, scatterers: ScattererTable, surroundings: Surroundings, k: FloatArray
+) -> ComplexArray:
+    """Field that each scatterer sends on, sqrt(σ/4π) e^{jψ} B a, (M, S, F, 3)."""
     M, S = len(antenna.positions_m), len(scatterers.points_m)
-    out, phasors = np.empty((M, S, 3), np.complex128), np.empty((M, S, len(k)), np.complex128)
+    out, arriving = np.zeros((M, S, len(k), 3), np.complex128), np.empty((len(k), 3), np.complex128)
     for m in range(M):
         start, beam = _row(antenna.positions_m, m), _beam(antenna, m)
         for s in range(S):
-            d, r = _aim(start, _row(scatterers.points_m, s))
-            e = _launch(beam, d)
-            loss_db, extra_m = pass_obstacles(start, d, r, obstacles)
-            scale = scatterers.amplitudes[s] * _left(loss_db) / _distance(r, scatterers.amplitudes[s])
-            for axis in range(3):
-                out[m, s, axis] = scale * e[axis]
-            _fill_phasors(r + extra_m, k, phasors[m, s])
-    return out, phasors
+            arriving[:] = 0.0
+            _add_leg(
+                start, beam, _row(scatterers.points_m, s), abs(scatterers.amplitudes[s]), surroundings, k, arriving
+            )
+            for f in range(len(k)):
+                for i in range(3):
+                    for j in range(3):
+                        out[m, s, f, i] += scatterers.amplitudes[s] * scatterers.matrices[s, i, j] * arriving[f, j]
+    return out
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=True)
-def _legs_back(
-    tags: TagRows, scatterers: ScattererTable, obstacles: FloatArray, k: FloatArray
-) -> tuple[FloatArray, ComplexArray]:
-    """What each tag port takes of a scatterer's field, B u⊥ / d2, (T, S, P, 3), and the phasors, (T, S, F)."""
+def _legs_back(tags: TagRows, scatterers: ScattererTable, surroundings: Surroundings, k: FloatArray) -> ComplexArray:
+    """Field that the dipole of each tag port would send to each scatterer, (T, S, P, F, 3)."""
     T, P, S = len(tags.points_m), tags.axes.shape[1], len(scatterers.points_m)
-    back, phasors = np.empty((T, S, P, 3)), np.empty((T, S, len(k)), np.complex128)
+    back = np.zeros((T, S, P, len(k), 3), np.complex128)
     for t in range(T):
-        tag = _row(tags.points_m, t)
         for s in range(S):
-            d, r = _aim(tag, _row(scatterers.points_m, s))
-            loss_db, extra_m = pass_obstacles(tag, d, r, obstacles)
-            scale = _left(loss_db) / _distance(r, scatterers.amplitudes[s])
             for p in range(P):
-                u = _row(tags.axes[t], p)
-                along = _dot(u, d)
-                across = (u[0] - along * d[0], u[1] - along * d[1], u[2] - along * d[2])
-                for axis in range(3):
-                    back[t, s, p, axis] = scale * _dot(_row(scatterers.matrices[s], axis), across)
-            _fill_phasors(r + extra_m, k, phasors[t, s])
-    return back, phasors
+                u = tags.axes[t, p]
+                beam = Beam((u[0] + 0j, u[1] + 0j, u[2] + 0j), (1.0, 0.0, 0.0), 1, 0.0, 0.0)
+                point = _row(scatterers.points_m, s)
+                _add_leg(
+                    _row(tags.points_m, t), beam, point, abs(scatterers.amplitudes[s]), surroundings, k, back[t, s, p]
+                )
+    return back
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=True)
-def _distance(r: float, amplitude: complex) -> float:
-    """Distance that a scatterer's field falls with [m]: nothing that is near it gets more than what reached it."""
-    return max(r, NEAREST_M, abs(amplitude))
+def _add_leg(
+    ends: tuple[Vector, Vector],
+    size_m: float,
+    beam: Beam,
+    surroundings: Surroundings,
+    k: FloatArray,
+    arriving: ComplexArray,
+) -> None:
+    """Add the field at a scatterer, e e^{-jkL} / r, directly and by one bounce, to `arriving`, (F, 3).
+
+    Nothing near a scatterer gets more than what reached it: r is at least its size, sqrt(σ/4π).
+    """
+    start, point = ends
+    room, obstacles = surroundings
+    walls = _walls(room)
+    for i in range(len(room.images)):
+        bounces = (room.images[i, 0], room.images[i, 1], room.images[i, 2])
+        if abs(bounces[0]) + abs(bounces[1]) + abs(bounces[2]) > 1:
+            break
+        d, r = _aim(start, _image(point, bounces, walls.size_m))
+        e, loss_db, extra_m = _walk((start, d), r, _launch(beam, d), bounces, walls, obstacles)
+        scale = _left(loss_db) / max(r, NEAREST_M, size_m)
+        for f in range(len(k)):
+            phasor = scale * _phasor(k[f] * (r + extra_m))
+            for axis in range(3):
+                arriving[f, axis] += e[axis] * phasor
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=True)
@@ -356,9 +382,3 @@ def _phasor(angle: float) -> complex:
 def _left(loss_db: float) -> float:
     """Share of the amplitude that a loss leaves."""
     return np.exp(-_DB_TO_NEPER * loss_db) if loss_db > 0.0 else 1.0
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath=True)
-def _fill_phasors(length_m: float, k: FloatArray, phasors: ComplexArray) -> None:
-    for f in range(len(k)):
-        phasors[f] = _phasor(k[f] * length_m)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,15 +17,19 @@ from rfcompass.simulation.room_sensing import Heard, RoomState
 from rfcompass.simulation.tracks import AntennaTrack
 from rfcompass.types.record import Record
 
-# Ours: one straight track along a wall of the 6 x 5 m room, and an L along two walls; 3 m each leg, and the whip 0.3 m
-# above the floor. They keep 0.7 m from the walls.
-FAR_LINE_M = ((1.5, 0.7, 0.3), (4.5, 0.7, 0.3))
-FAR_L_M = ((3.7, 0.7, 0.3), (0.7, 0.7, 0.3), (0.7, 3.7, 0.3))
+# Ours: one straight leg along a wall of the 6 x 5 m room, and a second one along the next wall; 3 m each about the
+# middle of the wall, 0.7 m from it, and the whip 0.3 m above the floor.
+FAR_LINE_M = (((1.5, 0.7, 0.3), (4.5, 0.7, 0.3)),)
+FAR_L_M = (*FAR_LINE_M, ((0.7, 1.0, 0.3), (0.7, 4.0, 0.3)))
 
 # Ours: the metal of the robot as four small scatterers about its base, in the base frame [m], and their size [m²].
 # A point stands for a body only from afar, so each keeps half a wavelength, 16 cm, from every tag of the X4 layout.
+# A large convex body scatters, in the mean over all directions, as much as a quarter of its surface takes up: 0.18 m²
+# for the youBot's chassis of 0.58 x 0.38 x 0.14 m.
 BODY_POINTS_M = ((0.10, 0.0, 0.08), (-0.05, 0.0, 0.08), (-0.24, 0.0, 0.06), (0.20, 0.0, 0.35))
-BODY_CROSS_SECTION_M2 = (0.1, 0.1, 0.1, 0.03)
+BODY_CROSS_SECTION_M2 = (0.05, 0.05, 0.05, 0.03)
+
+Leg: TypeAlias = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,36 +39,38 @@ class Carrier(Record):
     All values are ours; [Wang2013] prints none.
 
     Attributes:
-        corners_m: Corners of the track in the room [m], shape (C, 3).
+        legs_m: Start and end of each straight leg in the room [m], shape (L, 2, 3).
         spacing_m: Largest distance between two positions [m].
         walk_m: Standard deviation of each step of a random walk about the track [m].
         leg_offset_m: Standard deviation of the place of every leg after the first, along x and y [m].
         leg_turn_rad: Standard deviation of its heading [rad].
     """
 
-    corners_m: FloatArray = field(default_factory=lambda: np.array(FAR_L_M))
+    legs_m: FloatArray = field(default_factory=lambda: np.array(FAR_L_M))
     spacing_m: float = 0.04
     walk_m: float = 0.001
     leg_offset_m: float = 0.02
     leg_turn_rad: float = float(np.deg2rad(1.0))
 
     def __post_init__(self) -> None:
-        """Freeze the corners; refuse errors that cannot be."""
-        object.__setattr__(self, "corners_m", read_only(self.corners_m, "Carrier.corners_m", (None, 3)))
+        """Freeze the legs; refuse errors that cannot be."""
+        object.__setattr__(self, "legs_m", read_only(self.legs_m, "Carrier.legs_m", (None, 2, 3)))
+        if not len(self.legs_m):
+            raise InputError("Carrier.legs_m: at least one leg is needed", name="legs_m")
         for name in ("walk_m", "leg_offset_m", "leg_turn_rad"):
             if not (np.isfinite(value := getattr(self, name)) and value >= 0):
                 raise InputError(f"Carrier.{name}: {value} is not a finite number >= 0", name=name)
 
     def track(self) -> AntennaTrack:
         """Return where the carrier believes that it goes."""
-        return _joined([AntennaTrack.line(*leg, self.spacing_m) for leg in self._legs()])
+        return _joined([AntennaTrack.line(start, end, self.spacing_m) for start, end in self.legs_m])
 
     def driven(self, rng: np.random.Generator) -> AntennaTrack:
         """Return where it truly goes: every leg after the first has an error of its own."""
         driven = []
-        for index, leg in enumerate(self._legs()):
+        for index, (start, end) in enumerate(self.legs_m):
             known = 0.0 if index == 0 else 1.0
-            nominal = AntennaTrack.line(*leg, self.spacing_m)
+            nominal = AntennaTrack.line(start, end, self.spacing_m)
             driven.append(
                 nominal.perturbed(
                     rng,
@@ -73,9 +80,6 @@ class Carrier(Record):
                 )
             )
         return _joined(driven)
-
-    def _legs(self) -> list[tuple[FloatArray, FloatArray]]:
-        return list(zip(self.corners_m[:-1], self.corners_m[1:], strict=True))
 
 
 def _joined(legs: Sequence[AntennaTrack]) -> AntennaTrack:

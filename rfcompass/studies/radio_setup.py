@@ -22,6 +22,7 @@ from rfcompass.simulation import (
     TagModel,
     load_recipe,
 )
+from rfcompass.simulation.radio_sensing import Leg
 from rfcompass.types.parts import Part
 from rfcompass.types.tags import TagLayout
 
@@ -40,14 +41,14 @@ class RadioSetup:
 
     Attributes:
         scene: Recipe of the room, by name or file.
-        corners_m: Corners of the antenna's track in the room [m], shape (C, 3).
+        legs_m: Start and end of each straight leg of the antenna's track in the room [m].
         rig: The reader.
         tag_model: Type of all tags.
         others: Other tagged parts in the room, all their tags on.
     """
 
     scene: str = "room_los"
-    corners_m: Sequence[tuple[float, float, float]] = FAR_L_M
+    legs_m: Sequence[Leg] = FAR_L_M
     rig: ReaderRig = RIG_PAPER
     tag_model: TagModel = SQUIGGLE
     others: tuple[Part, ...] = field(default=())
@@ -61,7 +62,7 @@ class RadioSetup:
             part: The part's tags in use.
             rng: Source of furniture, scatterers and tag constants.
         """
-        carrier = Carrier(corners_m=np.array(self.corners_m))
+        carrier = Carrier(legs_m=np.array(self.legs_m))
         recipe = load_recipe(self.scene)
         scene = self._furnished(recipe, room, carrier, rng)
         return RadioSensor(
@@ -105,5 +106,5 @@ class RadioSetup:
 
 
 # The paper's rig: one straight slide. Ours: an L, which also sees along the line of sight.
-PAPER_RADIO = RadioSetup(corners_m=FAR_LINE_M)
+PAPER_RADIO = RadioSetup(legs_m=FAR_LINE_M)
 BEST_RADIO = RadioSetup()

@@ -30,7 +30,7 @@ ROBOT = YouBot()
 LEG = PartDatabase(":memory:").part("table_leg_3")
 LAYOUT = LEG.layout(2)
 ROOM = PlaneRoom(T_room_base=Pose2(2.0, 2.5, 0.4), T_room_part=Pose2(2.5, 2.6, 1.0))
-SHORT_L = Carrier(corners_m=np.array([[2.0, 1.0, 0.3], [1.0, 1.0, 0.3], [1.0, 2.0, 0.3]]))
+SHORT_L = Carrier(legs_m=np.array([[[2.0, 1.0, 0.3], [1.0, 1.0, 0.3]], [[1.0, 1.0, 0.3], [1.0, 2.0, 0.3]]]))
 R420_BISTATIC = dataclasses.replace(RIG_PAPER, noise=NOISE_R420)
 
 
