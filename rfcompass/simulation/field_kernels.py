@@ -157,9 +157,8 @@ def _legs_out(
         start, beam = _row(antenna.positions_m, m), _beam(antenna, m)
         for s in range(S):
             arriving[:] = 0.0
-            _add_leg(
-                start, beam, _row(scatterers.points_m, s), abs(scatterers.amplitudes[s]), surroundings, k, arriving
-            )
+            ends, size_m = (start, _row(scatterers.points_m, s)), abs(scatterers.amplitudes[s])
+            _add_leg(ends, size_m, beam, surroundings, k, arriving)
             for f in range(len(k)):
                 for i in range(3):
                     for j in range(3):
@@ -174,13 +173,11 @@ def _legs_back(tags: TagRows, scatterers: ScattererTable, surroundings: Surround
     back = np.zeros((T, S, P, len(k), 3), np.complex128)
     for t in range(T):
         for s in range(S):
+            ends, size_m = (_row(tags.points_m, t), _row(scatterers.points_m, s)), abs(scatterers.amplitudes[s])
             for p in range(P):
                 u = tags.axes[t, p]
-                beam = Beam((u[0] + 0j, u[1] + 0j, u[2] + 0j), (1.0, 0.0, 0.0), 1, 0.0, 0.0)
-                point = _row(scatterers.points_m, s)
-                _add_leg(
-                    _row(tags.points_m, t), beam, point, abs(scatterers.amplitudes[s]), surroundings, k, back[t, s, p]
-                )
+                dipole = Beam((u[0] + 0j, u[1] + 0j, u[2] + 0j), (1.0, 0.0, 0.0), 1, 0.0, 0.0)
+                _add_leg(ends, size_m, dipole, surroundings, k, back[t, s, p])
     return back
 
 
