@@ -145,6 +145,10 @@ class SimulatedRobot:
         """True base pose in the room: for evaluation only."""
         return self._true
 
+    def true_state(self) -> RoomState:
+        """Where every tag truly is now: for evaluation only."""
+        return self._state(self.robot.tag_positions(self.configuration))
+
     def _state(self, anchors: TagPositions) -> RoomState:
         T_room_part = self.room.T_room_part
         in_part_m = np.column_stack([self.layout.points_m[:, :2], self._target_heights_m()])

@@ -9,6 +9,7 @@ from rfcompass.studies.study import Study
 STUDIES: tuple[str, ...] = (
     "rfcompass.studies.measured:MEASURED_SURVEY",
     "rfcompass.studies.measured:MEASURED_PROXIMITY",
+    "rfcompass.studies.comparisons:COMPARISONS",
 )
 
 
