@@ -117,6 +117,10 @@ class TooFewReads(NoAnswer):
     """A tag was heard too rarely to locate or compare it; carries `epc`, `reads` and `needed`."""
 
 
+class TooFewPairs(NoAnswer):
+    """Too few pairs of anchors were measured to judge a meter; carries `pairs` and `needed`."""
+
+
 class Infeasible(NoAnswer):
     """The constraints contradict each other; carries `rows` and the last `epsilon` tried."""
 

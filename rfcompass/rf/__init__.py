@@ -1,5 +1,6 @@
 """Radio: waves, phases and profiles along an antenna path, warping, and proximity meters."""
 
+from rfcompass.rf.channel_estimate import ChannelEstimate, estimate_channel
 from rfcompass.rf.dtw import dtw, dtw_matrix
 from rfcompass.rf.hologram import Hologram, Matching, build_hologram
 from rfcompass.rf.meters import (
@@ -18,6 +19,7 @@ from rfcompass.rf.meters import (
 from rfcompass.rf.phases import PathProfile, path_profile, unwrapped_phase
 from rfcompass.rf.profiles import AngularProfile
 from rfcompass.rf.runs import runs
+from rfcompass.rf.self_check import ComparatorQuality, DistanceCalibration, calibrate_distances, check_comparator
 from rfcompass.rf.waves import SPEED_OF_LIGHT_M_S, free_space_channel, wavelength, wavenumber
 
 __all__ = [
@@ -26,6 +28,9 @@ __all__ = [
     "AngularProfile",
     "AoaMeter",
     "AutoMeter",
+    "ChannelEstimate",
+    "ComparatorQuality",
+    "DistanceCalibration",
     "Hologram",
     "Matching",
     "PathProfile",
@@ -37,8 +42,11 @@ __all__ = [
     "RssiMeter",
     "SarNearfieldMeter",
     "build_hologram",
+    "calibrate_distances",
+    "check_comparator",
     "dtw",
     "dtw_matrix",
+    "estimate_channel",
     "free_space_channel",
     "meter",
     "path_profile",
