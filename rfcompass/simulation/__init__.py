@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rfcompass.simulation.inventory import Inventory as Inventory
     from rfcompass.simulation.inventory import Misses as Misses
     from rfcompass.simulation.inventory import simulate_inventory as simulate_inventory
-    from rfcompass.simulation.inventory_scan import inventory_scan as inventory_scan
+    from rfcompass.simulation.inventory_averages import inventory_scan as inventory_scan
     from rfcompass.simulation.placed_tags import DUAL_DIPOLE as DUAL_DIPOLE
     from rfcompass.simulation.placed_tags import SQUIGGLE as SQUIGGLE
     from rfcompass.simulation.placed_tags import PlacedTags as PlacedTags
@@ -120,7 +120,7 @@ _HOME = {
     "RecordedStop": "simulated_robot",
     "SimulatedRobot": "simulated_robot",
     "WheelSlip": "simulated_robot",
-    "inventory_scan": "inventory_scan",
+    "inventory_scan": "inventory_averages",
     "SweepScene": "sweep",
     "simulate_sweep": "sweep",
 }

@@ -9,7 +9,7 @@ from rfcompass.errors import InputError
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.robots.robot import Robot
 from rfcompass.simulation.inventory import Inventory
-from rfcompass.simulation.inventory_scan import inventory_scan
+from rfcompass.simulation.inventory_averages import inventory_scan
 from rfcompass.simulation.plane_room import PlaneRoom
 from rfcompass.simulation.room_sensing import NoisyDistances, RoomSensor, RoomState
 from rfcompass.types.configuration import Configuration

@@ -28,6 +28,21 @@ def test_a_transmitter_that_moves_along_stays_in_one_run(make_trace, line):
     assert legs(trace) == 2.0
 
 
+def test_a_wrist_that_goes_its_way_twice_stays_in_one_run(make_trace, line):
+    twice_m = np.concatenate([line(), line()[::-1]])
+    trace = make_trace([0.5, 0.7, 0.0], twice_m, tx_m=twice_m + np.array([0.0, 0.1, 0.0]))
+    assert len(runs(trace)) == 1
+    assert legs(trace) == 2.0
+
+
+def test_transmitters_that_stand_still_are_told_apart_also_when_the_way_is_gone_twice(make_trace, line):
+    twice_m = np.concatenate([line(), line()[::-1]])
+    tx_m = np.tile([[0.0, -1.0, 0.0], [1.0, -1.0, 0.0]], (len(twice_m) // 2, 1))
+    trace = make_trace([0.5, 0.7, 0.0], twice_m, tx_m=tx_m)
+    assert len(runs(trace)) == 2
+    assert legs(trace) == 1.0
+
+
 def test_runs_hold_every_position_once(make_trace, line):
     rng = np.random.default_rng(3)
     trace = make_trace([0.5, 0.7, 0.0], line(), ports=rng.integers(1, 5, 51))
