@@ -22,7 +22,7 @@ def runs(trace: ReadTrace) -> list[IntArray]:
     found: list[IntArray] = []
     for port in np.unique(trace.antenna_ports):
         rows = np.flatnonzero(trace.antenna_ports == port)
-        found += [rows] if trace.tx_positions_m is None else _by_transmitter(rows, trace.tx_positions_m[rows])
+        found += [rows] if trace.tx_positions_m is None else _by_transmitter(trace, rows, trace.tx_positions_m[rows])
     return found
 
 
@@ -43,9 +43,13 @@ def legs(trace: ReadTrace) -> float:
     return 2.0 if moving else 1.0
 
 
-def _by_transmitter(rows: IntArray, tx_positions_m: FloatArray) -> list[IntArray]:
-    """A transmitter that is met again at the same place stands still; one that never returns moves along."""
+def _by_transmitter(trace: ReadTrace, rows: IntArray, tx_positions_m: FloatArray) -> list[IntArray]:
+    """Transmitters that stand still serve many places of the receiver; one that moves along goes with one place only.
+
+    A wrist that goes round twice, or ends where it began, meets each pair of places again; that is no fixed sender.
+    """
     places, index = np.unique(tx_positions_m, axis=0, return_inverse=True)
-    if len(places) == len(rows):
+    pairs = np.unique(np.hstack([trace.antenna_positions_m[rows], tx_positions_m]), axis=0)
+    if 2 * len(places) > len(pairs):
         return [rows]
     return [rows[index.ravel() == place] for place in range(len(places))]
