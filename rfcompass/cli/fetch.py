@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rfcompass.cli.comparator import comparator_json
 from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_line
 from rfcompass.cli.output import JsonFlag, answering, failure_json, messages, plain, print_json
 
@@ -102,7 +103,8 @@ def _run(task: "FetchTask") -> "tuple[SimulatedFetch, list[JudgedStep], NoAnswer
 
 
 def _step_json(step: "FetchStep") -> dict[str, Any]:
-    return estimate_json(step.estimate, step.proximity.kind)
+    answer = estimate_json(step.estimate, step.proximity.kind)
+    return {**answer, "comparator": comparator_json(step.proximity, step.observation.anchors)}
 
 
 def _line(judged: "JudgedStep") -> str:

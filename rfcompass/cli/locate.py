@@ -1,15 +1,13 @@
 """`rfcompass locate TRACE`: the part's pose from a recorded scan with robot tags."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from rfcompass.cli.comparator import comparator_json
 from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_line
 from rfcompass.cli.output import JsonFlag, answering, print_json
-
-if TYPE_CHECKING:
-    from rfcompass.types.observation import Observation
 
 
 def locate(
@@ -23,7 +21,9 @@ def locate(
 ) -> None:
     """Find a part from a recorded trace; the answer is in the base frame of the last stop."""
     from rfcompass.errors import TraceError
+    from rfcompass.localization import measure_proximities
     from rfcompass.recordings import PartDatabase, open_trace
+    from rfcompass.rf import meter
     from rfcompass.robots import load_robot
 
     with answering(as_json):
@@ -38,16 +38,9 @@ def locate(
         observations = opened.observations(load_robot(name, opened.meta.tag_layout), wanted)
         estimate = localizer(estimator, proximity).estimate(observations)
         if as_json:
-            print_json(estimate_json(estimate, _kind_used(observations[-1], proximity)))
+            matrix = measure_proximities(observations[-1], meter(proximity))
+            comparator = comparator_json(matrix, observations[-1].anchors)
+            print_json({**estimate_json(estimate, matrix.kind), "comparator": comparator})
         else:
             where = f"base frame of stop {observations[-1].stop_id}"
             typer.echo(f"{part}: {one_line(estimate)}  ({where}; {estimate.method} of {estimate.stops} stops)")
-
-
-def _kind_used(newest: "Observation", asked: str) -> str:
-    """Which meter spoke: `auto` takes another one, and ready-made proximities bring their own."""
-    from rfcompass.rf import meter
-
-    if newest.proximity is not None:
-        return newest.proximity.kind
-    return meter(asked).measure(newest.scan, targets=newest.part.epcs, anchors=newest.anchors.epcs).kind

@@ -32,6 +32,8 @@ def test_a_fetch_answers_in_the_agreed_shape(answer):
     assert shape | {"method", "proximity", "stops", "outliers"} <= set(answer)
     assert answer["part"] == "table_leg_3"
     assert isinstance(answer["outliers"], int)
+    assert answer["comparator"]["verdict"] in ("good", "fair", "poor", "useless")
+    assert answer["comparator"]["pairs"] <= 36
 
 
 def test_a_run_folder_is_complete_and_its_page_stands_alone(answer, fetched):
