@@ -27,9 +27,9 @@ from rfcompass.types.parts import Part
 from rfcompass.types.tags import TagLayout
 
 # Ours: robot and part start clear of the antenna's tracks along two walls and of the other walls; the robot's bumper
-# stops it half a metre from any wall.
+# stops it 0.6 m from any wall, where the hand at full reach still has room.
 AREA_M = ((1.3, 1.3), (5.5, 4.5))
-DRIVE_AREA_M = ((0.5, 0.5), (5.5, 4.5))
+DRIVE_AREA_M = ((0.6, 0.6), (5.4, 4.4))
 ROBOT_CLEAR_M = 0.6
 TRACK_CLEAR_M = 0.3
 PART_CLEAR_M = 0.3

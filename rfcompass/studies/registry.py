@@ -10,6 +10,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.measured:MEASURED_SURVEY",
     "rfcompass.studies.measured:MEASURED_PROXIMITY",
     "rfcompass.studies.comparisons:COMPARISONS",
+    "rfcompass.studies.fetches:FETCHES",
 )
 
 
