@@ -29,3 +29,21 @@ def reads_of(tag_m, positions_m=RAIL_M, *, seed=0, modulus_rad=2 * np.pi, heard=
     counts = (rng.random((M, F)) < heard).astype(np.int64)
     ports = np.ones(M, dtype=np.int64)
     return ReadTrace("tag", positions_m, FREQUENCIES_HZ, h * counts, counts, ports, phase_modulus_rad=modulus_rad)
+
+
+WRIST_HZ = np.linspace(800e6, 1000e6, 9)
+SENDER_M = np.array([0.1, 0.0, 0.0])  # from the receiver of a wrist
+RISE_M = np.array([0.0, 0.0, 0.25])
+
+
+def two_heights_m(path_m):
+    """A path, and the same 25 cm higher up [m]."""
+    return np.concatenate([path_m, path_m + RISE_M])
+
+
+def wrist_reads(tag_m, positions_m=None, frequencies_hz=WRIST_HZ, *, constant_rad=0.7):
+    """Noise-free reads of a wrist with two antennas, by default from a square; one phase constant for all of them."""
+    rx_m = square_m(0.5, 0.45, 48) if positions_m is None else positions_m
+    h = free_space_channel(np.asarray(tag_m), rx_m, frequencies_hz, tx_positions_m=rx_m + SENDER_M)
+    counts, ports = np.ones(h.shape, dtype=np.int64), np.ones(len(rx_m), dtype=np.int64)
+    return ReadTrace("tag", rx_m, frequencies_hz, h * np.exp(1j * constant_rad), counts, ports, rx_m + SENDER_M)

@@ -4,6 +4,8 @@ from rfcompass.localization.compared_stop import ComparedStop, compared_stops
 from rfcompass.localization.comparing import compare_proximities
 from rfcompass.localization.consistency import ConsistencyLocalizer
 from rfcompass.localization.hyperbolic import HyperbolicSurveyor
+from rfcompass.localization.locate_all import LocatedTags, locate_all
+from rfcompass.localization.measure_more import MeasureMore, MoreAperture, measure_more
 from rfcompass.localization.measuring import measure_proximities
 from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_file import answer_partition
@@ -11,16 +13,20 @@ from rfcompass.localization.partition_solver import PartitionSolution, solve_par
 from rfcompass.localization.phase_model import PathCovariance
 from rfcompass.localization.problem import PartitionProblem, bounds_about, build_partition, comparison_rows
 from rfcompass.localization.reach import in_reach_by_base_end, in_reach_by_mean, next_goal, well_positioned
-from rfcompass.localization.sar import SarSurveyor, sar_image
+from rfcompass.localization.sar import WRIST_SAR, SarSurveyor, sar_image
 from rfcompass.localization.search_volume import default_volume
 from rfcompass.localization.survey import SURVEYORS, survey
 from rfcompass.localization.window import recent_stops
 
 __all__ = [
     "SURVEYORS",
+    "WRIST_SAR",
     "ComparedStop",
     "ConsistencyLocalizer",
     "HyperbolicSurveyor",
+    "LocatedTags",
+    "MeasureMore",
+    "MoreAperture",
     "PartitionLocalizer",
     "PartitionProblem",
     "PartitionSolution",
@@ -35,6 +41,8 @@ __all__ = [
     "default_volume",
     "in_reach_by_base_end",
     "in_reach_by_mean",
+    "locate_all",
+    "measure_more",
     "measure_proximities",
     "next_goal",
     "recent_stops",

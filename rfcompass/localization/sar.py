@@ -6,10 +6,10 @@ from typing import ClassVar
 import numpy as np
 
 from rfcompass.arrays import FloatArray
-from rfcompass.localization.confidence_box import MAX_BOX_M, THRESHOLD, confidence_box, is_confident
+from rfcompass.localization.confidence_box import MAX_BOX_M, THRESHOLD, ConfidenceBox, confidence_box, is_confident
 from rfcompass.localization.reads_needed import require_reads
 from rfcompass.rf.hologram import Hologram, Matching, build_hologram
-from rfcompass.rf.peak_search import grid_points, highest_peak
+from rfcompass.rf.peak_search import Peak, grid_points, highest_peak
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.piles import VoxelGrid
 from rfcompass.types.reads import ReadTrace
@@ -17,6 +17,10 @@ from rfcompass.types.volumes import SearchVolume
 
 RESOLUTION_M = 0.001
 KEPT_PEAKS = 8
+# Ours, for a wrist half a metre above a table. Height is the weak axis of a level path, hence the larger threshold; the
+# box is measured 20 cm beyond the search volume, since boxes of tags on the table reach through it.
+WRIST_MAX_BOX_M = (0.10, 0.10, 0.25)
+WRIST_BOX_MARGIN_M = 0.20
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,19 +31,23 @@ class SarSurveyor:
         matching: How the cells are combined, see `rfcompass.rf.hologram`.
         threshold: Share of the peak's power that bounds the confidence box.
         max_box_m: A fix is confident if its box is smaller than this along x, y, z [m] (the paper's τ) and not clipped.
+        box_margin_m: How far beyond the search volume the box is measured [m]. With 0 the box ends at the border, and
+            a tag whose region touches it is clipped.
     """
 
     method: ClassVar[str] = "sar"
     matching: Matching = field(default_factory=Matching)
     threshold: float = THRESHOLD
     max_box_m: tuple[float, float, float] = MAX_BOX_M
+    box_margin_m: float = 0.0
 
     def locate(self, trace: ReadTrace, volume: SearchVolume) -> TagFix:
         """Find the tag inside a volume; see `Surveyor.locate`."""
         require_reads(trace)
-        hologram = build_hologram(trace, volume, self.matching)
+        wide = _widened(volume, self.box_margin_m)
+        hologram = build_hologram(trace, wide, self.matching)
         peak = highest_peak(hologram.power, volume, hologram.wavelength_m, keep=KEPT_PEAKS, resolution_m=RESOLUTION_M)
-        box = confidence_box(hologram.power, volume, peak, self.threshold)
+        box = confidence_box(hologram.power, wide, peak, self.threshold)
         return TagFix(
             epc=trace.epc,
             point_m=peak.point_m,
@@ -48,6 +56,19 @@ class SarSurveyor:
             clipped=box.clipped,
             method=self.method,
         )
+
+    def box_at(self, trace: ReadTrace, volume: SearchVolume, point_m: FloatArray) -> ConfidenceBox:
+        """Measure the box about a point that is taken for the peak [m], shape (3,), inside the volume."""
+        wide = _widened(volume, self.box_margin_m)
+        hologram = build_hologram(trace, wide, self.matching)
+        peak = Peak(point_m, float(hologram.power(point_m[None])[0]))
+        return confidence_box(hologram.power, wide, peak, self.threshold)
+
+
+# The wrist of [Boroushaki2023]: a software radio, whose channels add up as complex numbers (Eq. 1 as it is printed).
+WRIST_SAR = SarSurveyor(
+    matching=Matching(coherent=True, amplitude=True), max_box_m=WRIST_MAX_BOX_M, box_margin_m=WRIST_BOX_MARGIN_M
+)
 
 
 def sar_image(
@@ -70,6 +91,11 @@ def sar_image(
     hologram = build_hologram(trace, volume, matching or Matching())
     values = np.stack([_slab(hologram, plane, y, z) for plane in x])
     return VoxelGrid(volume.lower_m, spacing_m, values)
+
+
+def _widened(volume: SearchVolume, margin_m: float) -> SearchVolume:
+    """The volume with a margin on both sides of each axis that is searched."""
+    return SearchVolume(volume.lower_m - margin_m * volume.free_axes, volume.upper_m + margin_m * volume.free_axes)
 
 
 def _slab(hologram: Hologram, x_m: float, y_m: FloatArray, z_m: FloatArray) -> FloatArray:
