@@ -13,7 +13,8 @@ from rfcompass.types.scene import Obstacle, Scene
 
 Disc = tuple[float, float, float]  # x, y and radius of a place to keep clear [m]
 
-_TRIES = 2000
+_TRIES = 1000  # places for one thing, before giving up
+_ARRANGEMENTS = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,14 +137,28 @@ class SceneRecipe(Record):
         taken: list[Disc] = [(*_xy(place), self.clear_m) for place in (part_m, reader_m) if place is not None]
         taken += [(float(x), float(y), float(radius)) for x, y, radius in keep_clear]
         taken += [(*_xy(ob.T_scene_obstacle[:2, 3]), _radius(ob)) for ob in (*self.base.obstacles, *hiding)]
-        standing: list[Obstacle] = []
-        for kind in self.furniture:
-            for number in range(kind.count):
-                (x, y), yaw = self._spot(kind.radius_m, taken, rng, kind.name), rng.uniform(-np.pi, np.pi)
-                standing += kind.at(x, y, yaw, f"{kind.name}_{number + 1}")
-                taken.append((x, y, kind.radius_m))
+        standing = self._arranged(taken, rng)
         scatterers = Scatterers.none() if self.scatterers is None else self.scatterers.draw(part_m, rng)
         return RadioScene(self.base.with_obstacles([*hiding, *standing]), scatterers)
+
+    def _arranged(self, taken: Sequence[Disc], rng: np.random.Generator) -> list[Obstacle]:
+        """Place all furniture; begin again a few times where what stands already leaves no room for the rest."""
+        for left in reversed(range(_ARRANGEMENTS)):
+            try:
+                return self._one_arrangement(taken, rng)
+            except SceneError:
+                if not left:
+                    raise
+        return []
+
+    def _one_arrangement(self, taken: Sequence[Disc], rng: np.random.Generator) -> list[Obstacle]:
+        used, standing = list(taken), []
+        for kind in self.furniture:
+            for number in range(kind.count):
+                (x, y), yaw = self._spot(kind.radius_m, used, rng, kind.name), rng.uniform(-np.pi, np.pi)
+                standing += kind.at(x, y, yaw, f"{kind.name}_{number + 1}")
+                used.append((x, y, kind.radius_m))
+        return standing
 
     def clear_spots(
         self, count: int, radius_m: float, taken: Sequence[Disc], rng: np.random.Generator
