@@ -113,6 +113,10 @@ class TagNeverHeard(NoAnswer):
     """An EPC that was asked for has no read; carries `epc` and `heard`."""
 
 
+class NotFocused(NoAnswer):
+    """Phases do not fit what was asked of them; carries how well they fit and what was `needed`."""
+
+
 class TooFewReads(NoAnswer):
     """A tag was heard too rarely to locate or compare it; carries `epc`, `reads` and `needed`."""
 

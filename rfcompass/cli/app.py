@@ -7,6 +7,7 @@ import typer
 from rich.logging import RichHandler
 
 from rfcompass.cli.bench import bench
+from rfcompass.cli.calibrate import calibrate
 from rfcompass.cli.fetch import fetch
 from rfcompass.cli.importing import import_recording
 from rfcompass.cli.locate import locate
@@ -31,6 +32,7 @@ app = typer.Typer(
 app.command("fetch")(fetch)
 app.command("locate")(locate)
 app.command("survey")(survey_command)
+app.command("calibrate")(calibrate)
 app.command("proximity")(proximity)
 app.command("partition")(partition)
 app.command("record")(record_command)

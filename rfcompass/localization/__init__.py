@@ -11,6 +11,7 @@ from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_file import answer_partition
 from rfcompass.localization.partition_solver import PartitionSolution, solve_partition
 from rfcompass.localization.phase_model import PathCovariance
+from rfcompass.localization.phase_sign import PhaseSign, detect_phase_sign
 from rfcompass.localization.problem import PartitionProblem, bounds_about, build_partition, comparison_rows
 from rfcompass.localization.reach import in_reach_by_base_end, in_reach_by_mean, next_goal, well_positioned
 from rfcompass.localization.sar import WRIST_SAR, SarSurveyor, sar_image
@@ -31,6 +32,7 @@ __all__ = [
     "PartitionProblem",
     "PartitionSolution",
     "PathCovariance",
+    "PhaseSign",
     "SarSurveyor",
     "answer_partition",
     "bounds_about",
@@ -39,6 +41,7 @@ __all__ = [
     "compared_stops",
     "comparison_rows",
     "default_volume",
+    "detect_phase_sign",
     "in_reach_by_base_end",
     "in_reach_by_mean",
     "locate_all",

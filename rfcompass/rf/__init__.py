@@ -1,6 +1,7 @@
 """Radio: waves, phases and profiles along an antenna path, warping, and proximity meters."""
 
 from rfcompass.rf.channel_estimate import ChannelEstimate, estimate_channel
+from rfcompass.rf.channel_offsets import ChannelOffsets, channel_offsets
 from rfcompass.rf.dtw import dtw, dtw_matrix
 from rfcompass.rf.hologram import Hologram, Matching, build_hologram
 from rfcompass.rf.meters import (
@@ -29,6 +30,7 @@ __all__ = [
     "AoaMeter",
     "AutoMeter",
     "ChannelEstimate",
+    "ChannelOffsets",
     "ComparatorQuality",
     "DistanceCalibration",
     "Hologram",
@@ -43,6 +45,7 @@ __all__ = [
     "SarNearfieldMeter",
     "build_hologram",
     "calibrate_distances",
+    "channel_offsets",
     "check_comparator",
     "dtw",
     "dtw_matrix",
