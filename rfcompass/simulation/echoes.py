@@ -1,5 +1,6 @@
 """What comes back from a tag: down to it, through its chip, and up again."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,12 @@ class Backscatter(Record):
     channel: ComplexArray
     tag_power_dbm: FloatArray
     powered: BoolArray
+
+    @classmethod
+    def joined(cls, groups: Sequence["Backscatter"]) -> "Backscatter":
+        """Echoes of several groups of tags at the same places of the same reader, as one."""
+        names = ("channel", "tag_power_dbm", "powered")
+        return cls(*(np.concatenate([getattr(group, name) for group in groups], axis=2) for name in names))
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""

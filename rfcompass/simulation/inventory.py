@@ -1,6 +1,6 @@
 """One stop of a simulated reader: what it reports, and why it missed what it missed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from rfcompass.simulation.reader_rig import FixedTransmitters, ReaderRig, WristT
 from rfcompass.simulation.tracks import AntennaTrack
 from rfcompass.types.reads import TagRead
 from rfcompass.types.record import Record
+from rfcompass.types.tags import check_distinct
 
 
 class AntennaRow(NamedTuple):
@@ -172,7 +173,7 @@ def simulate_inventory(
     radio_scene: RadioScene,
     rig: ReaderRig,
     track: AntennaTrack,
-    tags: PlacedTags,
+    tags: PlacedTags | Sequence[PlacedTags],
     rng: np.random.Generator,
     *,
     nominal_track: AntennaTrack | None = None,
@@ -186,14 +187,17 @@ def simulate_inventory(
         radio_scene: What is in between.
         rig: The reader.
         track: Where the receiving antenna truly goes.
-        tags: Where the tags truly are.
+        tags: Where the tags truly are; several groups where they are of several types.
         rng: Source of slots, hops and noise.
         nominal_track: Where its carrier believes that it goes; the true track if left out.
 
     Raises:
         ShapeError: If the two tracks do not have the same positions and ports.
         InputError: If an antenna or a tag is outside the room, both are in one place, or a port sends and receives.
+        DuplicateEpc: If two tags have one EPC.
     """
+    groups = (tags,) if isinstance(tags, PlacedTags) else tuple(tags)
+    epcs = check_distinct([epc for group in groups for epc in group.epcs], "simulate_inventory")
     believed = track if nominal_track is None else nominal_track
     if len(believed) != len(track) or (believed.ports != track.ports).any():
         raise ShapeError(
@@ -201,7 +205,7 @@ def simulate_inventory(
         )
     if shared := set(track.ports.tolist()) & set(rig.tx_ports):
         raise InputError(f"ports {sorted(map(str, shared))} both send and receive in a bistatic rig", got=list(shared))
-    air = backscatter(radio_scene, rig, track, tags)
+    air = Backscatter.joined([backscatter(radio_scene, rig, track, group) for group in groups])
     windows = _windows(rig, len(track))
     if rig.hop_s is not None:
         windows = _cut_at_hops(windows, rig.hop_s, len(rig.frequencies_hz), rng)
@@ -213,7 +217,7 @@ def simulate_inventory(
     misses = Misses(
         len(windows.poses), (~powered).sum(axis=0), (powered & ~strong).sum(axis=0), log.collided.sum(axis=0)
     )
-    return _report(rig, believed, tags, (air, windows, log), (np.asarray(powered.any(axis=0)), misses), rng)
+    return _report(rig, believed, epcs, (air, windows, log), (np.asarray(powered.any(axis=0)), misses), rng)
 
 
 def _windows(rig: ReaderRig, M: int) -> _Windows:
@@ -245,7 +249,7 @@ def _at(air: Backscatter, windows: _Windows) -> tuple[BoolArray, ComplexArray]:
 def _report(
     rig: ReaderRig,
     believed: AntennaTrack,
-    tags: PlacedTags,
+    epcs: tuple[str, ...],
     run: tuple[Backscatter, _Windows, SlotLog],
     verdict: tuple[BoolArray, Misses],
     rng: np.random.Generator,
@@ -258,4 +262,4 @@ def _report(
     poses, transmitters = windows.poses[w], windows.transmitters[w]
     heard = rig.noise.heard(air.channel[transmitters, poses, t, channels], rng)
     times_s = np.repeat(log.times_s, each)
-    return Inventory(rig, believed, tags.epcs, poses, t, transmitters, channels, times_s, heard, *verdict)
+    return Inventory(rig, believed, epcs, poses, t, transmitters, channels, times_s, heard, *verdict)

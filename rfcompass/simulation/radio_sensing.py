@@ -41,6 +41,8 @@ class Carrier(Record):
     Attributes:
         legs_m: Start and end of each straight leg in the room [m], shape (L, 2, 3).
         spacing_m: Largest distance between two positions [m].
+        facing_m: Point that the boresight always points at [m], shape (3,); along the room's x if None.
+        ports: Ports that are read through in turn at each position, such as the two feeds of a dual antenna.
         walk_m: Standard deviation of each step of a random walk about the track [m].
         leg_offset_m: Standard deviation of the place of every leg after the first, along x and y [m].
         leg_turn_rad: Standard deviation of its heading [rad].
@@ -48,6 +50,8 @@ class Carrier(Record):
 
     legs_m: FloatArray = field(default_factory=lambda: np.array(FAR_L_M))
     spacing_m: float = 0.04
+    facing_m: FloatArray | None = None
+    ports: tuple[int, ...] = (1,)
     walk_m: float = 0.001
     leg_offset_m: float = 0.02
     leg_turn_rad: float = float(np.deg2rad(1.0))
@@ -63,14 +67,13 @@ class Carrier(Record):
 
     def track(self) -> AntennaTrack:
         """Return where the carrier believes that it goes."""
-        return _joined([AntennaTrack.line(start, end, self.spacing_m) for start, end in self.legs_m])
+        return _joined(self._nominal_legs()).through_ports(self.ports)
 
     def driven(self, rng: np.random.Generator) -> AntennaTrack:
         """Return where it truly goes: every leg after the first has an error of its own."""
         driven = []
-        for index, (start, end) in enumerate(self.legs_m):
+        for index, nominal in enumerate(self._nominal_legs()):
             known = 0.0 if index == 0 else 1.0
-            nominal = AntennaTrack.line(start, end, self.spacing_m)
             driven.append(
                 nominal.perturbed(
                     rng,
@@ -79,7 +82,10 @@ class Carrier(Record):
                     turn_rad=known * self.leg_turn_rad,
                 )
             )
-        return _joined(driven)
+        return _joined(driven).through_ports(self.ports)
+
+    def _nominal_legs(self) -> list[AntennaTrack]:
+        return [AntennaTrack.line(start, end, self.spacing_m, facing_m=self.facing_m) for start, end in self.legs_m]
 
 
 def _joined(legs: Sequence[AntennaTrack]) -> AntennaTrack:
@@ -121,12 +127,10 @@ class RadioSensor:
 
     def hear(self, state: RoomState, rng: np.random.Generator) -> Heard:
         """Drive the track once and take the inventory."""
-        tags = _together(
-            (
-                self.robot_tags.moved(state.anchors.points_m, state.anchor_dipoles),
-                self.part_tags.moved(state.targets.points_m, state.target_dipoles),
-                *self.other_tags,
-            )
+        tags = (
+            self.robot_tags.moved(state.anchors.points_m, state.anchor_dipoles),
+            self.part_tags.moved(state.targets.points_m, state.target_dipoles),
+            *self.other_tags,
         )
         scene = self.scene.with_scatterers(_carried(self.body, state.T_room_base))
         track, nominal = self.carrier.driven(rng), self.carrier.track()
@@ -138,20 +142,3 @@ def _carried(body: Scatterers, T_room_base: Pose2) -> Scatterers:
         T_room_base.apply(body.points_m), body.cross_section_m2, body.phase_rad,
         Pose2(0.0, 0.0, T_room_base.theta_rad).apply(np.asarray(body.axes)), body.depolarisation,
     )  # fmt: skip
-
-
-def _together(groups: Sequence[PlacedTags]) -> PlacedTags:
-    """All tags as one set; a reader does not know to which body a tag belongs.
-
-    Raises:
-        InputError: If they are not all of one type.
-    """
-    models = {group.model for group in groups}
-    if len(models) > 1:
-        raise InputError(f"tags of {len(models)} types in one room", types=len(models))
-    points_m, dipoles, phase_rad, gain_db = (
-        np.concatenate([getattr(group, name) for group in groups])
-        for name in ("points_m", "dipoles", "phase_rad", "gain_db")
-    )
-    epcs = tuple(epc for group in groups for epc in group.epcs)
-    return PlacedTags(epcs, points_m, dipoles, groups[0].model, phase_rad, gain_db)

@@ -43,14 +43,20 @@ class RadioSetup:
         scene: Recipe of the room, by name or file.
         legs_m: Start and end of each straight leg of the antenna's track in the room [m].
         rig: The reader.
-        tag_model: Type of all tags.
+        facing_m: Point that the antenna always looks at [m]; whips need none.
+        ports: Ports that are read through in turn at each position.
+        tag_model: Type of all tags but the part's.
+        part_tag_model: Type of the part's tags.
         others: Other tagged parts in the room, all their tags on.
     """
 
     scene: str = "room_los"
     legs_m: Sequence[Leg] = FAR_L_M
     rig: ReaderRig = RIG_PAPER
+    facing_m: tuple[float, float, float] | None = None
+    ports: tuple[int, ...] = (1,)
     tag_model: TagModel = SQUIGGLE
+    part_tag_model: TagModel = SQUIGGLE
     others: tuple[Part, ...] = field(default=())
 
     def sensor(self, room: PlaneRoom, robot: TagLayout, part: TagLayout, rng: np.random.Generator) -> RadioSensor:
@@ -62,13 +68,14 @@ class RadioSetup:
             part: The part's tags in use.
             rng: Source of furniture, scatterers and tag constants.
         """
-        carrier = Carrier(legs_m=np.array(self.legs_m))
+        facing_m = None if self.facing_m is None else np.array(self.facing_m)
+        carrier = Carrier(legs_m=np.array(self.legs_m), facing_m=facing_m, ports=self.ports)
         recipe = load_recipe(self.scene)
         scene = self._furnished(recipe, room, carrier, rng)
         return RadioSensor(
             scene=scene,
-            robot_tags=self._unplaced(robot, rng),
-            part_tags=self._unplaced(part, rng),
+            robot_tags=_unplaced(robot, self.tag_model, rng),
+            part_tags=_unplaced(part, self.part_tag_model, rng),
             other_tags=self._others(recipe, room, rng),
             rig=self.rig,
             carrier=carrier,
@@ -82,10 +89,6 @@ class RadioSetup:
         clear.append((room.T_room_base.x_m, room.T_room_base.y_m, ROBOT_CLEAR_M))
         part_m, reader_m = room.T_room_part.translation_m, track_m.mean(axis=0)
         return recipe.draw(rng, part_m=part_m.tolist(), reader_m=reader_m.tolist(), keep_clear=clear)
-
-    def _unplaced(self, layout: TagLayout, rng: np.random.Generator) -> PlacedTags:
-        """Draw the constants of a body's tags; each scan says where they are."""
-        return PlacedTags.draw(layout.epcs, layout.points_m, layout.dipoles, self.tag_model, rng)
 
     def _others(self, recipe: SceneRecipe, room: PlaneRoom, rng: np.random.Generator) -> tuple[PlacedTags, ...]:
         if not self.others:
@@ -102,7 +105,12 @@ class RadioSetup:
     def _lying(self, part: Part, pose: Pose2, rng: np.random.Generator) -> PlacedTags:
         lifted = part.tags.points_m + np.array([0.0, 0.0, part.resting_height_m])
         turned: FloatArray = Pose2(0.0, 0.0, pose.theta_rad).apply(part.tags.dipoles)
-        return PlacedTags.draw(part.tags.epcs, pose.apply(lifted), turned, self.tag_model, rng)
+        return PlacedTags.draw(part.tags.epcs, pose.apply(lifted), turned, self.part_tag_model, rng)
+
+
+def _unplaced(layout: TagLayout, model: TagModel, rng: np.random.Generator) -> PlacedTags:
+    """Draw the constants of a body's tags; each scan says where they are."""
+    return PlacedTags.draw(layout.epcs, layout.points_m, layout.dipoles, model, rng)
 
 
 # The paper's rig: one straight slide. Ours: an L, which also sees along the line of sight.

@@ -168,6 +168,17 @@ def test_signs_that_mean_nothing_are_ignored(kind):
 
 
 @pytest.mark.parametrize("kind", KEEPS_LATERAL_ORDER)
+def test_with_half_turns_a_tag_further_along_the_path_is_still_further_away(kind):
+    fine_m = np.stack([np.linspace(0.0, 1.0, 101), np.zeros(101), np.zeros(101)], axis=1)
+    rng = np.random.default_rng(4)
+    places_m = [[0.3, 0.7, 0.0], [0.38, 0.7, 0.0], [0.5, 0.7, 0.0]]
+    flips = {"factor": lambda k: rng.choice([-1.0, 1.0], (101, 3)), "half_turns": True}
+    m = anchor_m(kind, scan_of(places_m, fine_m, **flips))
+    assert m[0, 1] < m[0, 2]
+    assert m[2, 1] < m[2, 0]
+
+
+@pytest.mark.parametrize("kind", KEEPS_LATERAL_ORDER)
 @settings(max_examples=15)
 @given(
     x_m=st.floats(0.2, 0.5), y_m=st.floats(0.5, 1.2), steps_m=st.lists(st.floats(0.05, 0.15), min_size=2, max_size=2)

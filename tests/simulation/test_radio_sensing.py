@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rfcompass.errors import InputError
+from rfcompass.errors import DuplicateEpc, InputError
 from rfcompass.geometry import Pose2
 from rfcompass.recordings import PartDatabase, open_trace, write_trace
 from rfcompass.robots import YouBot
@@ -99,11 +99,30 @@ def test_a_scan_read_back_from_its_trace_is_the_scan_to_the_last_bit(rig, tmp_pa
             assert one.phase_modulus_rad == other.phase_modulus_rad
 
 
-def test_tags_of_different_types_in_one_room_are_refused():
+def test_tags_of_different_types_are_heard_in_one_room_as_they_would_be_alone():
     rng = np.random.default_rng(0)
-    robot = a_robot(other_tags=(placed(dataclasses.replace(LAYOUT, epcs=("aa", "bb")), DUAL_DIPOLE, rng),))
-    with pytest.raises(InputError):
-        robot.scan()
+    stray = placed(dataclasses.replace(LAYOUT, epcs=("aa", "bb")), DUAL_DIPOLE, rng).moved(
+        np.array([[2.0, 2.0, 0.1], [2.2, 2.0, 0.1]]), np.tile([0.0, 0.0, 1.0], (2, 1))
+    )
+    heard = a_robot(other_tags=(stray,))
+    heard.scan()
+    assert {"aa", "bb", *LAYOUT.epcs} <= {read.epc for read in heard.stops[0].inventory.reads()}
+
+
+def test_one_epc_on_two_tags_is_refused():
+    rng = np.random.default_rng(0)
+    twin = placed(LAYOUT, SQUIGGLE, rng).moved(LAYOUT.points_m + np.array([2.0, 2.0, 0.1]), LAYOUT.dipoles)
+    with pytest.raises(DuplicateEpc):
+        a_robot(other_tags=(twin,)).scan()
+
+
+def test_a_dual_antenna_is_read_through_both_feeds_at_every_place():
+    dual = dataclasses.replace(SHORT_L, ports=(1, 2))
+    track = dual.track()
+    assert track.ports.tolist() == [1, 2] * len(SHORT_L.track())
+    assert np.array_equal(track.positions_m[::2], track.positions_m[1::2])
+    driven = dual.driven(np.random.default_rng(0))
+    assert np.array_equal(driven.positions_m[::2], driven.positions_m[1::2])
 
 
 def test_a_metal_robot_changes_what_is_heard():
