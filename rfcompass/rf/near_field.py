@@ -7,6 +7,8 @@ Each straight leg l of the path gives its share of the power that perfect agreem
 with looks as in `rfcompass.rf.hologram`. One leg sees a tag sharply across its line of sight and hardly along it; where
 the ridges of two legs at an angle cross is the tag, and the image is the product Π_l B_l(p).
 
+The feeds of an antenna that takes several polarisations are further looks: their powers are added within a leg.
+
 Legs are not added as complex numbers. Along a leg a robot knows its own path to millimetres, but after a turn by a
 degree it is centimetres off: a good part of a wavelength, which would ruin a coherent sum. The product only shifts.
 """
@@ -70,7 +72,7 @@ def near_field_image(
     Args:
         trace: Reads of one tag, heard at least once.
         volume: Where the tag may be, in the frame of the antenna path.
-        split_legs: Treat each straight leg of the path as a factor of its own; otherwise each port's whole path.
+        split_legs: Treat each straight leg of the path as a factor of its own; otherwise each antenna's whole path.
         sub_apertures: Cut each leg into as many factors.
         coherent: Add the channels of a leg as complex numbers, see `Matching`.
         amplitude: Weigh every cell by |h|, so that fades, where the phase slips, hardly count.
@@ -90,24 +92,53 @@ def near_field_image(
 
 
 def image_legs(trace: ReadTrace, *, split_legs: bool, sub_apertures: int) -> list[IntArray]:
-    """Antenna positions of each factor of the image: per port, leg and sub-aperture.
+    """Antenna positions of each factor of the image: per antenna, leg and sub-aperture.
 
     A path that is neither line nor polygon is one leg: an image, unlike an angular profile, takes any path.
     """
     found: list[IntArray] = []
-    for port in np.unique(trace.antenna_ports):
-        rows = np.flatnonzero(trace.antenna_ports == port)
-        for leg in _legs_of(trace, rows) if split_legs else [rows]:
-            found += [part for part in np.array_split(leg, sub_apertures) if part.size]
+    for feeds in antenna_feeds(trace):
+        legs_of_path = _legs_of(trace, feeds[0]) if split_legs else [np.arange(feeds.shape[1])]
+        for leg in legs_of_path:
+            found += [feeds[:, part].ravel() for part in np.array_split(leg, sub_apertures) if part.size]
     return found
 
 
+def antenna_feeds(trace: ReadTrace) -> list[IntArray]:
+    """Rows of each antenna, one line for each of its feeds, shape (feeds, L).
+
+    Two ports that hear from the same places are two feeds of one antenna, which takes two polarisations. They see the
+    tag from one side: their powers are added, so that the feed that hears the tag better counts for more.
+    """
+    found: list[IntArray] = []
+    for port in np.unique(trace.antenna_ports):
+        rows = np.flatnonzero(trace.antenna_ports == port)
+        for index, feeds in enumerate(found):
+            if _same_places(trace, feeds[0], rows):
+                found[index] = np.vstack([feeds, rows])
+                break
+        else:
+            found.append(rows[None, :])
+    return found
+
+
+def _same_places(trace: ReadTrace, one: IntArray, other: IntArray) -> bool:
+    if len(one) != len(other):
+        return False
+    apart_m = np.linalg.norm(trace.antenna_positions_m[one] - trace.antenna_positions_m[other], axis=1)
+    return bool(apart_m.max() <= _tolerance_m(trace))
+
+
+def _tolerance_m(trace: ReadTrace) -> float:
+    return STRAIGHT_WITHIN_WAVELENGTHS * float(wavelength(trace.frequencies_hz).min())
+
+
 def _legs_of(trace: ReadTrace, rows: IntArray) -> Sequence[IntArray]:
-    tolerance_m = STRAIGHT_WITHIN_WAVELENGTHS * float(wavelength(trace.frequencies_hz).min())
+    """Places in `rows` of each straight leg."""
     try:
-        return [rows[leg] for leg in straight_legs(trace.antenna_positions_m[rows], tolerance_m)]
+        return straight_legs(trace.antenna_positions_m[rows], _tolerance_m(trace))
     except UnsuitablePath:
-        return [rows]
+        return [np.arange(len(rows))]
 
 
 def _part(trace: ReadTrace, rows: IntArray) -> ReadTrace:

@@ -1,10 +1,13 @@
 """The image is the product of the legs' printed sums, in single precision on grids and in double at the top."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rfcompass.rf.image_slopes import climb_to_top
 from rfcompass.rf.near_field import image_legs, near_field_image
 from rfcompass.rf.waves import wavenumber
 from rfcompass.types.volumes import SearchVolume
@@ -96,6 +99,37 @@ def test_each_port_and_each_leg_is_a_factor(make_trace):
     parts = image_legs(trace, split_legs=True, sub_apertures=3)
     assert len(parts) == 12
     assert sorted(np.concatenate(parts)) == list(range(len(path_m)))
+
+
+def two_feeds(make_trace, tag_m, *, rotation_rad, deaf_to=None):
+    """An L whose every place is heard through two feeds; the second adds a constant, or hears noise only."""
+    path_m = np.repeat(corner_m(), 2, axis=0)
+    trace = make_trace(tag_m, path_m, ports=np.tile([1, 2], len(path_m) // 2))
+    channel = trace.channel.copy()
+    channel[1::2] *= np.exp(1j * rotation_rad)
+    if deaf_to is not None:
+        noise = np.random.default_rng(0).normal(size=(2, *channel[1::2].shape))
+        channel[1::2] = deaf_to * np.abs(channel[::2]).mean() * (noise[0] + 1j * noise[1])
+    return replace(trace, channel=channel)
+
+
+@given(rotation_rad=st.floats(-np.pi, np.pi))
+@settings(max_examples=10)
+def test_two_feeds_at_one_place_are_looks_of_one_factor(make_trace, rotation_rad):
+    both = two_feeds(make_trace, TAG_M, rotation_rad=rotation_rad)
+    assert len(image_legs(both, split_legs=True, sub_apertures=1)) == 2
+    one = near_field_image(make_trace(TAG_M, corner_m()), VOLUME)
+    point_m = TAG_M + np.array([0.03, -0.02, 0.01])
+    twice = near_field_image(both, VOLUME).log_slopes(point_m).value
+    assert twice == pytest.approx(one.log_slopes(point_m).value, abs=1e-9)
+
+
+def test_a_feed_that_hardly_hears_the_tag_hardly_counts(make_trace):
+    """Noise at a tenth of the size is a hundredth of the power: the top stays within a hundredth of a fringe."""
+    both = two_feeds(make_trace, TAG_M, rotation_rad=0.0, deaf_to=0.1)
+    image = near_field_image(both, VOLUME)
+    top_m = climb_to_top(image.log_slopes, VOLUME, TAG_M, image.fringe_m)
+    assert np.linalg.norm((top_m - TAG_M)[:2]) < 0.01 * image.fringe_m
 
 
 def test_a_curve_is_one_leg(make_trace):
