@@ -151,7 +151,8 @@ SECTIONS = (
     ("**Which of two tags is nearer?** `measured-proximity`: share of right answers (95 % interval); the pilot study.\n"
      "`pinit_dtw` is the papers' reading, literally; 50 % is a coin.", proximity_table),
     ("**The same question by simulated radio.** `wrong-comparisons`: share of wrong answers in %, 40 rooms; our own pilot\n"
-     "study on a kinder channel, where it has a figure (the papers print none). \"No walls\" keeps everything but the walls.",
+     "study on a kinder channel, where it has a figure (the papers print none). \"No walls\" is free space but for the robot\n"
+     "itself.",
      comparisons_table),
     ("**Which tag for a lying leg, and which antenna?** `tag-polarisation`: near-field images over two tracks.",
      polarisation_table),
