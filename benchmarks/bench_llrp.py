@@ -103,8 +103,8 @@ def rfcompass_client(port: int, count: int, folder: Path) -> Run:
 
 def llrpkit_client(port: int, count: int, folder: Path) -> Run:
     """Reader and capture CSV of llrpkit."""
-    from llrpkit import Reader
-    from llrpkit.capture import TagWriter
+    from llrpkit import Reader  # noqa: PLC0415 - an extra
+    from llrpkit.capture import TagWriter  # noqa: PLC0415
 
     async def capture() -> None:
         async with Reader(HOST, port) as reader:
