@@ -1,6 +1,6 @@
 """How strong a tag is: what its received level says about its distance, once tags are compared with each other.
 
-In free space the amplitude of the channel falls with the product of the two ways [radar equation],
+In free space the amplitude of the channel falls with the product of the two ways (radar equation),
 
     |h(m)| = A / (d_tx(m) d_rx(m)),        S(p) = 20 log10 mean_m( |h(m)| d_tx(m, p) d_rx(m, p) )   [dB],
 
