@@ -1,6 +1,7 @@
 """The first whole job, and what it leaves behind."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -41,6 +42,14 @@ def test_a_run_folder_is_complete_and_its_page_stands_alone(answer, fetched):
     assert {"run.json", "events.jsonl", "trace", "estimate.json", "partition.png", "approach.png", "view.html"} <= names
     assert "src=" not in (fetched / "view.html").read_text().split("MeshCat.Viewer")[0][:500]
     assert json.loads((fetched / "run.json").read_text())["seed"] == 3
+
+
+def test_the_first_program_of_the_readme_runs_on_what_a_fetch_leaves(answer, fetched, monkeypatch, capsys):
+    text = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
+    program = text.split("```python\n", 1)[1].split("```", 1)[0]
+    monkeypatch.setenv("RFCOMPASS_PARTS", ":memory:")
+    exec(program.replace("runs/fetch-table_leg_3-0/trace", str(fetched / "trace")), {})
+    assert "[" in capsys.readouterr().out
 
 
 def test_the_same_seed_leaves_the_same_run_folder(run, answer, fetched, tmp_path):
@@ -97,6 +106,9 @@ def test_a_run_is_not_overwritten_unasked(run, answer, fetched):
         (("table_leg_3", "--tags", "7"), "PartError"),
         (("table_leg_3", "--proximity", "guess"), "UnknownMeter"),
         (("table_leg_3", "--scene", "moon"), "SceneError"),
+        (("table_leg_3", "--scene", "room_los", "--occluded"), "InputError"),
+        (("table_leg_3", "--proximity", "noisy_distance", "--others"), "InputError"),
+        (("table_leg_3", "--proximity", "noisy_distance", "--mode", "paper"), "InputError"),
     ],
 )
 def test_what_does_not_exist_is_bad_input_and_leaves_nothing(run, tmp_path, options, kind):
