@@ -23,7 +23,7 @@ class PhaseModulus(StrEnum):
 
 PositionOption = Annotated[
     list[str] | None,
-    typer.Option(help="Still antenna, PORT=x,y,z in metres, for example 1=0,0,1.5; may be repeated."),
+    typer.Option(help="Still antenna, PORT=x,y,z in metres, for example 1=0,0,1.5; once for each port in use."),
 ]
 PosesOption = Annotated[Path | None, typer.Option(help="Still antennas: an antenna_poses.csv, one row for each port.")]
 CarrierOption = Annotated[
@@ -54,7 +54,10 @@ def carriage_of(
         still = StillAntennas.read(poses)
         return lambda: still
     if positions:
-        placed = StillAntennas(dict(_position(text) for text in positions))
+        places = [_position(text) for text in positions]
+        placed = StillAntennas(dict(places))
+        if len(placed.positions_m) < len(places):
+            raise InputError("--antenna-position: a port stands twice", value=list(positions))
         return lambda: placed
     return None
 

@@ -55,6 +55,14 @@ def test_people_are_told_what_was_written_and_that_the_antennas_are_nowhere(run,
     assert "origin" in ran.err
 
 
+def test_reads_of_a_port_that_was_not_placed_are_dropped_and_people_are_told(run, reader, tmp_path):
+    command = ("record", reader.host, "--port", reader.port, "--reads", 300, "--antenna-position", "2=0,0,1")
+    ran = run(*command, "--out", tmp_path / "t", "--json")
+    assert (ran.json["reads"], ran.json["dropped"]) == (150, {"no_place": 150})
+    assert "no_place 150" in ran.err
+    assert open_trace(tmp_path / "t").antenna_poses.positions_m.tolist() == [[0, 0, 1]]
+
+
 def test_one_antenna_can_be_chosen(run, reader, tmp_path):
     command = ("record", reader.host, "--port", reader.port, "--antennas", "2", "--reads", 150)
     assert run(*command, "--out", tmp_path / "t", "--json").json["reads"] == 150
@@ -86,6 +94,7 @@ def test_a_reader_that_is_not_there_is_no_answer(run, reader, tmp_path):
         ("--antenna-position", "1=0,0"),
         ("--antenna-position", "0,0,0"),
         ("--antenna-position", "1=0,0,nan"),
+        ("--antenna-position", "1=0,0,0", "--antenna-position", "1=0,0,1"),
         ("--antenna-position", "1=0,0,0", "--carrier", "log.csv"),
         ("--poses", "nowhere.csv"),
         ("--duration", 0),

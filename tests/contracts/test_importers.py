@@ -114,6 +114,9 @@ def test_antennas_are_at_the_origin_unless_somebody_knows_better(layout, tmp_pat
     assert run(lines).antenna_poses.antennas.tolist() == [1, 2]
     still = StillAntennas({1: np.array([1.0, 0, 0]), 2: np.array([0, 1.0, 0])})
     assert run(lines, carriage=still).antenna_poses.positions_m.tolist() == [[1, 0, 0], [0, 1, 0]]
+    half = run(lines, carriage=StillAntennas({2: np.array([0, 1.0, 0])}))
+    assert told(half) == {"rows": 12, "written": 6, "dropped": {"no_place": 6}}
+    assert half.antenna_poses.antennas.tolist() == [2]
     log = tmp_path / "carrier.csv"
     times = [ROWS[0]["t"] * 10**9, ROWS[5]["t"] * 10**9]
     log.write_text(
