@@ -78,8 +78,10 @@ def table_hz(text: str | None) -> tuple[float, ...] | None:
     """Frequencies in MHz, separated by commas or in a text file, one for each channel index from 1 [Hz].
 
     Raises:
-        InputError: If one is none, or the file cannot be read.
+        InputError: If one is no UHF carrier in MHz, or the file cannot be read.
     """
+    from rfcompass.recordings.foreign_log import UHF_HZ
+
     if text is None:
         return None
     try:
@@ -87,8 +89,9 @@ def table_hz(text: str | None) -> tuple[float, ...] | None:
         table = tuple(round(float(part) * 1e6) for part in content.replace(",", " ").split())
     except (OSError, ValueError, OverflowError) as cause:
         raise InputError(f"--frequencies: {text!r} is no list of MHz: {cause}", value=text) from cause
-    if not table or min(table) <= 0:
-        raise InputError(f"--frequencies: {text!r} is no list of MHz", value=text)
+    if not table or min(table) < UHF_HZ[0] or max(table) > UHF_HZ[1]:
+        message = f"--frequencies: {text!r} is no list of carriers in MHz between 300 and 3000, such as 902.75,903.25"
+        raise InputError(message, value=text)
     return tuple(float(freq_hz) for freq_hz in table)
 
 

@@ -197,6 +197,6 @@ def test_import_takes_the_frequency_table_of_the_reader(run, tmp_path):
         trace = open_trace(tmp_path / "t")
         assert trace.reads["freq_hz"].to_pylist() == [902.75e6]
         assert trace.meta.phase_modulus == "2pi"
-    for wrong in ("fast", "-1", ""):
+    for wrong in ("fast", "-1", "", "902750000,903250000", "902750", "0.90275", "902.75,nan"):
         assert run("import", "sllurp", log, "--frequencies", wrong, "--out", tmp_path / "u").code == 2
     assert not (tmp_path / "u").exists()

@@ -158,6 +158,28 @@ def test_a_number_that_is_none_is_an_error_with_its_row(layout):
     assert caught.value.numbers["row"] == 4
 
 
+@pytest.mark.parametrize("place", [3, 11])
+def test_a_line_cut_inside_a_quoted_cell_is_an_error_with_its_row(layout, place):
+    run, line, _ = layout
+    lines = [line(row) for row in ROWS]
+    lines[place] = '"' + lines[place][:8]
+    with pytest.raises(ImportFormatError) as caught:
+        run(lines)
+    assert caught.value.numbers["row"] == place
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"epc": "zzzz not hex"}, {"epc": "300"}, {"antenna": -4}, {"antenna": 0}, {"code": 9999}, {"code": -5}]
+)
+def test_a_value_that_cannot_be_is_an_error_with_its_row(layout, wrong):
+    run, line, _ = layout
+    lines = [line({**row, **wrong} if k == 4 else row) for k, row in enumerate(ROWS)]
+    with pytest.raises(ImportFormatError) as caught:
+        run(lines)
+    assert caught.value.numbers["row"] == 4
+    assert "column" in caught.value.numbers
+
+
 @pytest.mark.parametrize("lines", [[], [""]])
 def test_a_log_without_a_read_is_an_error(layout, lines):
     with pytest.raises(ImportFormatError, match="no read is of use"):
