@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,8 +13,9 @@ import pytest
 
 pytest.importorskip("llrpkit", reason="llrpkit is not installed (extra llrp)")
 
-from rfcompass.recordings import open_trace
+from rfcompass.recordings import TraceMeta, open_trace
 from rfcompass.recordings.sources import EmulatedReader, Pace, SequenceSource
+from rfcompass.recordings.spool import SpoolWriter
 from rfcompass.types.reads import TagRead
 
 
@@ -168,6 +170,21 @@ def test_a_recording_that_was_killed_can_be_recovered(run, tmp_path):
     ticks = open_trace(tmp_path / "t").reads["t_reader_us"].to_pylist()
     assert ticks == list(range(len(ticks)))
     assert answer["reads"] == len(ticks) > 100
+
+
+def test_what_is_told_about_a_recording_that_did_not_end_leads_to_a_new_one(run, reader, tmp_path):
+    with SpoolWriter(tmp_path / "t.recording", TraceMeta(frame="hall")) as spool:
+        spool.write(some_reads(5))
+    record = ("record", reader.host, "--port", reader.port, "--reads", 100, "--out", tmp_path / "t", "--overwrite")
+    refused = run(*record)
+    assert refused.code == 2
+    assert "deleted" in refused.err
+    recovered = run("import", "spool", tmp_path / "t.recording", "--out", tmp_path / "t", "--json")
+    assert (recovered.json["reads"], recovered.json["dropped"]) == (5, {})
+    assert "dropped" not in recovered.err
+    assert "is kept" in recovered.err
+    shutil.rmtree(tmp_path / "t.recording")
+    assert run(*record).code == 0
 
 
 def test_the_reader_may_be_killed_and_started_again_while_recording(tmp_path):
