@@ -8,6 +8,12 @@ import pytest
 
 from rfcompass.errors import OutOfReach
 from rfcompass.recordings import open_trace
+from rfcompass.recordings.parts import PartDatabase
+
+META_KEYS = {
+    "schema", "source", "license", "reader", "frame", "geometry", "phase_sign", "phase_modulus", "dimensions", "tags",
+    "robot", "tag_layout",
+}  # fmt: skip
 
 
 def contents(folder):
@@ -62,7 +68,18 @@ def test_the_trace_of_a_run_holds_no_truth(answer, fetched):
     trace = open_trace(fetched / "trace")
     base = trace.stops.base_poses[0]
     assert np.array_equal(base, [0.0, 0.0, 0.0])  # odometry starts at zero, wherever the robot truly was
-    assert not {"x_m", "y_m"} & {tag.epc for tag in trace.meta.tags}
+    meta = json.loads((fetched / "trace" / "meta.json").read_text())
+    assert set(meta) == META_KEYS
+    assert {key for tag in meta["tags"] for key in tag} == {"epc", "body", "link", "point_m", "dipole"}
+    with PartDatabase(":memory:") as database:
+        known = database.part("table_leg_3").tags
+    of_part = {tag["epc"]: tag for tag in meta["tags"] if tag["body"] != "robot"}
+    assert of_part
+    for epc, tag in of_part.items():
+        row = known.epcs.index(epc)
+        assert (tag["body"], "link" in tag) == ("table_leg_3", False)
+        # In the part's own frame, as anybody can look it up; where the part lies is said nowhere.
+        assert (tag["point_m"], tag["dipole"]) == (known.points_m[row].tolist(), known.dipoles[row].tolist())
 
 
 def test_locate_finds_in_the_trace_what_fetch_found(run, answer, fetched):
