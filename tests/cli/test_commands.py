@@ -37,6 +37,16 @@ def test_a_tag_that_was_asked_for_and_never_heard_is_no_answer(run, sweep, comma
     assert ran.json["failure"]["epc"] == epc
 
 
+def test_a_survey_from_the_wrist_says_what_to_measure_where_it_is_not_sure(run, sweep):
+    """A line of one metre tells little across itself: hardly a box is small."""
+    answer = run("survey", sweep, "--method", "wrist", "--json").json
+    unsure = {tag["epc"] for tag in answer["tags"] if not tag["confident"]}
+    assert set(answer["advice"]) == unsure
+    assert all({"aid", "box_m", "enough"} == set(one) for options in answer["advice"].values() for one in options)
+    said = run("survey", sweep, "--method", "wrist").out
+    assert said.count("measure more") == len(unsure) > 0
+
+
 def test_survey_shows_a_table_to_people(run, sweep):
     ran = run("survey", sweep)
     assert ran.code == 0
