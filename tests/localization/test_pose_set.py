@@ -76,7 +76,7 @@ def test_no_range_with_a_pose_in_it_is_called_empty():
         problem, _ = a_problem(seed, K=2, N=5, S=1)
         poses, _ = drawn(problem, 20_000)
         for half in (0.5, 0.05, 0.005):
-            assert ranges_alive(problem.rows.A, problem.rows.b, BOUNDS_M, poses[:, 2], half).all()
+            assert ranges_alive(problem.rows.A, problem.rows.b, BOUNDS_M, poses[:, 2], half)[0].all()
 
 
 def test_contradicting_rows_hold_no_pose():
