@@ -50,13 +50,31 @@ def test_for_two_tags_the_count_lies_between_slices_and_milp():
     assert equal > 0  # or else the bound from above would tell nothing
 
 
-def best_of_slices(problem, count=180):
+def best_of_slices(problem):
     """The most rows that a pose meets whose θ is one of a few."""
-    G, most = signed_distances(problem, MARGIN_M), 0
+    return max(cells.met for cells in slices_of(problem))
+
+
+def slices_of(problem, count=180):
+    """The deepest cells at each of a few θ, exactly."""
+    G = signed_distances(problem, MARGIN_M)
     for theta in np.linspace(-np.pi, np.pi, count, endpoint=False):
         beta = G[:, 4] - G[:, 2] * np.cos(theta) - G[:, 3] * np.sin(theta)
-        most = max(most, deepest_cells(G[:, :2], beta, BOUNDS_M).met)
-    return most
+        yield deepest_cells(G[:, :2], beta, BOUNDS_M)
+
+
+def test_no_cell_that_ties_for_the_best_is_missing():
+    several = 0
+    for seed in range(10, 20):  # half of the comparisons wrong: many cells tie, and some are found last
+        problem = a_problem(seed, 0.5, K=2, S=2, N=5)
+        found = best(problem)
+        known = {tuple(one) for one in found.sets.tolist()}
+        slices = [cells for cells in slices_of(problem, 360) if cells.met == found.met]
+        ties = {tuple(one) for cells in slices for one in cells.sets.tolist()}
+        assert found.complete
+        assert ties <= known
+        several += len(ties) > 1
+    assert several > 3
 
 
 @pytest.mark.parametrize("size", [{"K": 2}, {"K": 4}], ids=str)
