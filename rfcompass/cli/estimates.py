@@ -13,6 +13,7 @@ class Estimator(StrEnum):
 
     PARTITION = "partition"
     CONSISTENCY = "consistency"
+    POSTERIOR = "posterior"
 
 
 def localizer(estimator: Estimator, meter_kind: str = "auto") -> "Localizer":
@@ -21,11 +22,13 @@ def localizer(estimator: Estimator, meter_kind: str = "auto") -> "Localizer":
     Raises:
         UnknownMeter: If there is no such meter.
     """
-    from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer
+    from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer, PosteriorLocalizer
     from rfcompass.rf import meter
 
     if estimator is Estimator.PARTITION:
         return PartitionLocalizer(centre="centroid", meter=meter(meter_kind))
+    if estimator is Estimator.POSTERIOR:
+        return PosteriorLocalizer(meter=meter(meter_kind))
     return ConsistencyLocalizer(meter=meter(meter_kind))
 
 

@@ -12,6 +12,8 @@ from rfcompass.localization.partition_file import answer_partition
 from rfcompass.localization.partition_solver import PartitionSolution, solve_partition
 from rfcompass.localization.phase_model import PathCovariance
 from rfcompass.localization.phase_sign import PhaseSign, detect_phase_sign
+from rfcompass.localization.pose_posterior import PosePosterior
+from rfcompass.localization.posterior import PosteriorLocalizer
 from rfcompass.localization.problem import PartitionProblem, bounds_about, build_partition, comparison_rows
 from rfcompass.localization.reach import in_reach_by_base_end, in_reach_by_mean, next_goal, well_positioned
 from rfcompass.localization.sar import WRIST_SAR, SarSurveyor, sar_image
@@ -33,6 +35,8 @@ __all__ = [
     "PartitionSolution",
     "PathCovariance",
     "PhaseSign",
+    "PosePosterior",
+    "PosteriorLocalizer",
     "SarSurveyor",
     "answer_partition",
     "bounds_about",

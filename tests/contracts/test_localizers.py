@@ -12,6 +12,7 @@ from rfcompass.geometry import Pose2, polygon_area_m2, polygon_contains
 from rfcompass.interfaces import Localizer
 from rfcompass.localization.consistency import ConsistencyLocalizer
 from rfcompass.localization.partition import PartitionLocalizer
+from rfcompass.localization.posterior import PosteriorLocalizer
 from rfcompass.types import Observation, ProximityMatrix, TagLayout, TagPositions
 
 # Each localizer, and how far its answer may move when the same scene is described anew: the box of the bounds
@@ -21,6 +22,8 @@ LOCALIZERS = [
     pytest.param(PartitionLocalizer(centre="chebyshev"), 1e-2, id="partition-chebyshev"),
     pytest.param(PartitionLocalizer(centre="centroid"), 1e-4, id="partition-centroid"),
     pytest.param(ConsistencyLocalizer(), 1e-2, id="consistency"),
+    pytest.param(PosteriorLocalizer(), 2e-3, id="posterior-comparisons"),  # the scene has no pairs of anchors
+    pytest.param(PosteriorLocalizer(use="distances"), 2e-3, id="posterior"),
 ]
 every_localizer = pytest.mark.parametrize(("localizer", "slack_m"), LOCALIZERS)
 
