@@ -17,7 +17,7 @@ from rfcompass.localization.window import MAX_MOTIONS, MAX_TRAVEL_M, recent_stop
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.observation import Observation
 
-_FEWEST_BOXES = 64  # the search starts with 16
+_FEWEST_BOXES = 64  # ours; the search starts with 4
 _FIRM = 0.5  # ours: mean resultant length below which θ is reported as not observable
 
 

@@ -28,7 +28,7 @@ from rfcompass.localization.consistency_boxes import (
     sort_rows,
 )
 
-_ROOTS = 16  # ranges of θ to start from (ours)
+_ROOTS = 4  # ranges of θ to start from (ours)
 _MET, _KEY, _FULL_KEY, _START, _COUNT, _BEHIND = range(6)  # columns of `_Queue.facts`
 
 

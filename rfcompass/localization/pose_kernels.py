@@ -44,12 +44,18 @@ def copy_vertices(source: FloatArray, count: int, target: FloatArray) -> None:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def cut_box(A: FloatArray, room: FloatArray, bounds: FloatArray, polygon: FloatArray, scratch: FloatArray) -> int:
-    """Intersect the bounds with all rows A[:, :2] · p <= room; returns the number of vertices."""
+def fill_rectangle(bounds: FloatArray, polygon: FloatArray) -> int:
+    """Fill in the corners of [[xmin, xmax], [ymin, ymax]], counter-clockwise; returns their number."""
     for corner in range(4):
         polygon[corner, 0] = bounds[0, 1 if corner in (1, 2) else 0]
         polygon[corner, 1] = bounds[1, 1 if corner >= 2 else 0]
-    count = 4
+    return 4
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _cut_box(A: FloatArray, room: FloatArray, bounds: FloatArray, polygon: FloatArray, scratch: FloatArray) -> int:
+    """Intersect the bounds with all rows A[:, :2] · p <= room; returns the number of vertices."""
+    count = fill_rectangle(bounds, polygon)
     for m in range(A.shape[0]):
         count = clip(polygon, count, A, m, room[m], scratch)
         if count < 3:
@@ -69,7 +75,7 @@ def slices(A: FloatArray, b: FloatArray, bounds: FloatArray, theta: FloatArray) 
     scratch = np.empty((size, 3))
     for t in range(theta.size):
         room = b - A[:, 2] * np.cos(theta[t]) - A[:, 3] * np.sin(theta[t])
-        counts[t] = cut_box(A, room, bounds, vertices[t], scratch)
+        counts[t] = _cut_box(A, room, bounds, vertices[t], scratch)
     return vertices, counts
 
 
@@ -85,20 +91,29 @@ def ranges_alive(
         Whether each range is alive, shape (T,), and a rectangle that holds the positions of all that are.
     """
     alive, size = np.zeros(middle.size, dtype=np.bool_), A.shape[0] + 5
-    polygon, scratch, room = np.empty((size, 2)), np.empty((size, 3)), np.empty(A.shape[0])
+    polygon, scratch, swing = np.empty((size, 2)), np.empty((size, 3)), np.hypot(A[:, 2], A[:, 3]) * half * half / 2.0
     box = bounds[:, ::-1].copy()
     for t in range(middle.size):
         c, s = np.cos(middle[t]), np.sin(middle[t])
+        count = fill_rectangle(bounds, polygon)
         for m in range(A.shape[0]):
-            swing = abs(A[m, 3] * c - A[m, 2] * s) * half + np.hypot(A[m, 2], A[m, 3]) * half * half / 2.0
-            room[m] = b[m] - A[m, 2] * c - A[m, 3] * s + swing
-        count = cut_box(A, room, bounds, polygon, scratch)
-        alive[t] = count > 0
-        for v in range(count):
-            for axis in range(2):
-                box[axis, 0] = min(box[axis, 0], polygon[v, axis])
-                box[axis, 1] = max(box[axis, 1], polygon[v, axis])
+            turn = abs(A[m, 3] * c - A[m, 2] * s) * half + swing[m]
+            count = clip(polygon, count, A, m, b[m] - A[m, 2] * c - A[m, 3] * s + turn, scratch)
+            if count < 3:
+                break
+        if count >= 3:
+            alive[t] = True
+            _grow(box, polygon, count)
     return alive, box
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _grow(box: FloatArray, polygon: FloatArray, count: int) -> None:
+    """Let a rectangle hold the first `count` vertices as well."""
+    for v in range(count):
+        for axis in range(2):
+            box[axis, 0] = min(box[axis, 0], polygon[v, axis])
+            box[axis, 1] = max(box[axis, 1], polygon[v, axis])
 
 
 @numba.njit(cache=True, error_model="numpy")
