@@ -12,6 +12,7 @@ from rfcompass.localization.tag_kernels import COMPARISON_COLUMNS, RANGE_COLUMNS
 from rfcompass.types.comparisons import Comparisons
 from rfcompass.types.record import Record
 
+_BIAS_CORRELATION = 0.25  # ours: of the biases of two tags of one part
 _TAG_GRID_M = 1e-4  # tags of two stops whose places on the part differ by less are one tag
 
 
@@ -79,10 +80,17 @@ class PartEvidence(Record):
 def distance_evidence(stops: Sequence[PlacedStop], noise: Mapping[str, NoiseModel]) -> PartEvidence:
     """Collect distances r = m / c of every part tag to every anchor.
 
+    What the tags of a part share is counted as if independent, but larger (ours):
+
+    - An anchor's own error is in the distances of all K tags. It is half of s², which was fitted on pairs of
+      anchors, so s² is taken K / 2 times, but no less than once.
+    - Tags of one part see much the same reflections: their biases correlate, ρ = 1/4, so that the mean bias has the
+      variance σ² (1 + (K - 1) ρ) / K; σ² is taken 1 + (K - 1) ρ times.
+    - Odometry displaces all anchors of a stop together. Its variance v is taken n K times for n anchors: the
+      information Σ u uᵀ / (n K v) of all of them is then at most 1 / v along any direction, as it should be.
+
     An anchor that did not move between stops counts once, with the mean of its distances: reflections are the same
-    in every scan, so that only the receiver's noise would average out. Odometry displaces all anchors of a stop
-    together. As if independent, its variance v is therefore taken n K times for n anchors and K tags: the
-    information Σ u uᵀ / (n K v) of all of them is then at most 1 / v along any direction, as it should be.
+    in every scan, so that only the receiver's noise would average out.
 
     Args:
         stops: Stops, newest last.
@@ -104,16 +112,18 @@ def distance_evidence(stops: Sequence[PlacedStop], noise: Mapping[str, NoiseMode
         numbers.append(number)
     heard_tags = max(1, sum(len(table) > 0 for table in tables))
     for table, number in zip(tables, numbers, strict=True):
+        table[:, 4:6] *= max(1.0, heard_tags / 2.0)
         table[:, 6:8] *= (heard_tags * np.bincount(number, minlength=len(stops))[number])[:, None]
-    return _heard(True, tags, tables, numbers, max(model.bias_m for model in noise.values()))
+    bias_m = max(model.bias_m for model in noise.values())
+    return _heard(True, tags, tables, numbers, _shared_bias_m(bias_m, heard_tags))
 
 
 def comparison_evidence(compared: Sequence[PlacedComparisons], noise: NoiseModel, tempering: float) -> PartEvidence:
     """Collect comparisons of every part tag; a pair of anchors that did not move counts once, as heard last.
 
-    Comparisons of one tag share its anchors' errors, so each enters with the power γ of its likelihood. Odometry
-    displaces all anchors of a stop together; for M comparisons its variance is taken γ M / 4 times, which bounds
-    their information Σ γ / (4 s²) as in `distance_evidence`.
+    Comparisons of one tag share its anchors' errors, so each enters with the power γ of its likelihood, and with
+    γ / (K / 2) if more than two tags share them. Odometry displaces all anchors of a stop together; for M comparisons
+    its variance is taken γ M / 4 times, which bounds their information Σ γ / (4 s²) as in `distance_evidence`.
 
     Args:
         compared: Stops, newest last.
@@ -135,8 +145,17 @@ def comparison_evidence(compared: Sequence[PlacedComparisons], noise: NoiseModel
     table, of, stop = np.vstack(rows)[once], np.concatenate(target)[once], np.concatenate(number)[once]
     table[:, 10:12] *= tempering / 4.0 * np.bincount(stop, minlength=len(compared))[stop][:, None]
     table[:, [2, 5]] -= tags[of, 2][:, None]
+    heard_tags = max(1, np.unique(of).size)
+    table[:, 9] /= max(1.0, heard_tags / 2.0)
     tables = [table[of == k] for k in range(len(tags))]
-    return _heard(False, tags, tables, [stop[of == k] for k in range(len(tags))], noise.bias_m)
+    return _heard(
+        False, tags, tables, [stop[of == k] for k in range(len(tags))], _shared_bias_m(noise.bias_m, heard_tags)
+    )
+
+
+def _shared_bias_m(bias_m: float, tags: int) -> float:
+    """Standard deviation of a tag's bias, as if those of the part's tags were independent."""
+    return bias_m * float(np.sqrt(1.0 + (tags - 1) * _BIAS_CORRELATION))
 
 
 def _tags(points_m: Sequence[FloatArray]) -> tuple[FloatArray, list[IntArray]]:

@@ -56,22 +56,26 @@ def range_log_likelihood(rows: FloatArray, x: float, y: float, rho: float) -> tu
 
 @numba.njit(cache=True, error_model="numpy")
 def comparison_log_likelihood(rows: FloatArray, x: float, y: float, rho: float) -> tuple[float, float]:
-    """Log likelihood of comparisons in the middle of a cell, and its bound over the cell."""
-    value, bound = 0.0, 0.0
+    """Log likelihood of comparisons in the middle of a cell, and its bound over the cell; γ is the same in all rows."""
+    value, bound, wins, may_win = 0.0, 0.0, 1.0, 1.0
     for n in range(rows.shape[0]):
         ix, iy, jx, jy = x - rows[n, 0], y - rows[n, 1], x - rows[n, 3], y - rows[n, 4]
         di = np.sqrt(ix * ix + iy * iy + rows[n, 2] ** 2) + 1e-9
         dj = np.sqrt(jx * jx + jy * jy + rows[n, 5] ** 2) + 1e-9
-        s2, lapse, weight = rows[n, 7], rows[n, 8], rows[n, 9]
+        s2, lapse = rows[n, 7], rows[n, 8]
         odometry = rows[n, 10] + rows[n, 11] * ((x - rows[n, 12]) ** 2 + (y - rows[n, 13]) ** 2)
         if odometry > 0.0:
             s2 += odometry * ((ix / di - jx / dj) ** 2 + (iy / di - jy / dj) ** 2)
         s = np.sqrt(s2)
-        value += weight * np.log(0.5 * lapse + (1.0 - lapse) / (1.0 + np.exp((di - dj) / s)))
+        wins *= 0.5 * lapse + (1.0 - lapse) / (1.0 + np.exp((di - dj) / s))
         if rho > 0.0:
             slope = min(2.0, 2.0 * rows[n, 6] / max(di + dj - 2.0 * rho, 1e-9))
             best = (dj - di + rho * slope) / (s if dj - di + rho * slope < 0.0 else np.sqrt(rows[n, 7]))
-            bound += weight * np.log(0.5 * lapse + (1.0 - lapse) / (1.0 + np.exp(-best)))
+            may_win *= 0.5 * lapse + (1.0 - lapse) / (1.0 + np.exp(-best))
+        if n % _BATCH == _BATCH - 1 or n == rows.shape[0] - 1:
+            value += rows[n, 9] * np.log(wins)
+            bound += rows[n, 9] * np.log(may_win)
+            wins, may_win = 1.0, 1.0
     return value, bound
 
 
