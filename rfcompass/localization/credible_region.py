@@ -5,7 +5,8 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray, IntArray
 
-_BISECTIONS = 10
+_BISECTIONS = 16
+_EDGE = 1e-9
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -77,10 +78,10 @@ def _hull_of_top(grid: FloatArray, level: float, extra: FloatArray) -> FloatArra
 
 @numba.njit(cache=True, error_model="numpy")
 def _weight_inside(grid: FloatArray, hull: FloatArray) -> float:
-    """Weight of all grid points inside a convex hull."""
+    """Weight of all grid points inside a convex hull; those on its border do not count."""
     total = 0.0
     for i in range(grid.shape[0]):
-        low, high = 0.0, grid.shape[1] - 1.0
+        low, high = -1.0, float(grid.shape[1])
         for e in range(len(hull)):
             a, b = hull[e], hull[(e + 1) % len(hull)]
             dx, offset = b[0] - a[0], (b[1] - a[1]) * (i - a[0])
@@ -91,7 +92,7 @@ def _weight_inside(grid: FloatArray, hull: FloatArray) -> float:
             elif (b[1] - a[1]) * (i - a[0]) > 0.0:
                 high = -1.0
         if low <= high:
-            for j in range(int(np.ceil(low)), int(np.floor(high)) + 1):
+            for j in range(int(np.floor(low + _EDGE)) + 1, int(np.ceil(high - _EDGE))):
                 total += grid[i, j]
     return total
 

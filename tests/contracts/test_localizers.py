@@ -22,7 +22,8 @@ LOCALIZERS = [
     pytest.param(PartitionLocalizer(centre="chebyshev"), 1e-2, id="partition-chebyshev"),
     pytest.param(PartitionLocalizer(centre="centroid"), 1e-4, id="partition-centroid"),
     pytest.param(ConsistencyLocalizer(), 1e-2, id="consistency"),
-    pytest.param(PosteriorLocalizer(), 2e-3, id="posterior-comparisons"),  # the scene has no pairs of anchors
+    # The scene has no pairs of anchors. From comparisons alone the standard deviation is 2.5 to 4 cm here.
+    pytest.param(PosteriorLocalizer(), 5e-3, id="posterior-comparisons"),
     pytest.param(PosteriorLocalizer(use="distances"), 2e-3, id="posterior"),
 ]
 every_localizer = pytest.mark.parametrize(("localizer", "slack_m"), LOCALIZERS)

@@ -77,7 +77,7 @@ def biased_stops(rng, K=4, M=3, errors=NEAR, base_moves=False, scale=1.0, height
                 proximity=matrix,
                 base_pose=T_odom,
                 base_covariance=covariance,
-            )  # fmt: skip
+            )
         )
     return stops, T_true.inverse() @ first
 
