@@ -125,6 +125,15 @@ class PosePosterior(Record):
         polygon = credible_polygon(grid, share, (self.mean_m - first_m) / pitch_m)
         return np.asarray(first_m + pitch_m * polygon)
 
+    def border_share(self, bounds_m: FloatArray) -> float:
+        """Probability that the centre lies along the border of the bounds, nearer than a tenth of their side.
+
+        It is 0.36 where nothing is known. Much more than that says that the part may well lie outside.
+        """
+        border_m, places_m = 0.1 * np.ptp(bounds_m, axis=1), self.poses[:, :2]
+        outside = (places_m < bounds_m[:, 0] + border_m) | (places_m > bounds_m[:, 1] - border_m)
+        return float(self.weight[outside.any(axis=1)].sum())
+
     def theta_interval(self, share: float) -> tuple[float, float] | None:
         """Smallest interval [low, high] of θ with this probability [rad], low in [-π, π); None without θ."""
         if self.theta_rad is None:

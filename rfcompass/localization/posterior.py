@@ -18,7 +18,7 @@ from rfcompass.localization.placed_stop import OdometrySpread, PlacedComparisons
 from rfcompass.localization.pose_fit import PoseFit, judge
 from rfcompass.localization.pose_inference import infer_pose
 from rfcompass.localization.pose_posterior import PosePosterior
-from rfcompass.localization.problem import bounds_about, check_bounds
+from rfcompass.localization.problem import BOUNDS_MARGIN_M, bounds_about, check_bounds
 from rfcompass.localization.unknown_height import infer_lifted, lifts_between
 from rfcompass.types.estimate import DiagnosticValue, PartEstimate
 from rfcompass.types.observation import Observation
@@ -26,6 +26,8 @@ from rfcompass.types.record import Record
 
 Use = Literal["auto", "distances", "comparisons"]
 HEIGHT_STEP_M = 0.02  # ours
+LARGEST_BORDER_SHARE = 0.45  # ours; 0.36 where nothing is known
+LARGEST_MARGIN_M = 10.0  # ours, the size of a room; bounds follow distances up to here
 TEMPERING = 0.5  # ours, between the 0.4 and 1.0 that calibrated comparisons from one stop in a simulated room
 
 
@@ -93,8 +95,8 @@ class PosteriorLocalizer:
     Attributes:
         use: `"distances"`, `"comparisons"`, or `"auto"`: distances where the robot's own tags vouch for them.
         tempering: Power γ in (0, 1] of a comparison's likelihood; comparisons of one tag share its errors.
-        bounds_m: Where the centre may lie, newest base frame [[xmin, xmax], [ymin, ymax]] [m]; 3 m about all
-            anchors if None.
+        bounds_m: Where the centre may lie, newest base frame [[xmin, xmax], [ymin, ymax]] [m]. If None, 3 m about
+            all anchors, or farther if the distances are longer.
         lift_range_m: How much higher than stated the part may lie, (lowest, highest) [m]; None if its height is known.
             Needs a meter that measures in space: `sar_nearfield` takes the stated heights for granted.
         probability: Probability of the region that the estimate carries.
@@ -125,7 +127,8 @@ class PosteriorLocalizer:
             InputError: If there is no stop, or one has neither proximities nor a meter.
             DegenerateAnchors: If a stop has fewer than two anchors, or all in one place.
             TagNeverHeard: If no tag of the part was heard.
-            Infeasible: If no pair of anchors could be compared, or no pose within the bounds has any probability.
+            Infeasible: If no pair of anchors could be compared, no pose within the bounds has any probability, or most
+                of it gathers along their border: then what was heard points elsewhere, or is altogether wrong.
         """
         inference = self.infer(observations)
         posterior, newest = inference.posterior, observations[-1]
@@ -147,21 +150,21 @@ class PosteriorLocalizer:
         noise = {kind: fit_noise([stop for stop in stops if stop.kind == kind]) for kind in {s.kind for s in stops}}
         why = self._why_not_distances(noise)
         if why is None:
-            evidence = distance_evidence(stops, noise)
-            return self._solve(evidence, max(noise.values(), key=lambda one: one.alpha_m), "distances", _bounds(stops))
+            worst, bounds_m = max(noise.values(), key=lambda one: one.alpha_m), _bounds_of_distances(stops, noise)
+            return self._solve(distance_evidence(stops, noise), worst, "distances", bounds_m)
         model = max(noise.values(), key=lambda one: one.comparison_m)
         compared = [
             PlacedComparisons(stop.anchors_m, stop.part_points_m, compare_proximities(stop.m), stop.odometry)
             for stop in stops
         ]
-        return self._compare(compared, model, why, _bounds(stops))
+        return self._compare(compared, model, why)
 
     def fit(self, stops: Sequence[ComparedStop]) -> PoseFit:
         """Find the pose from comparisons whose quality nobody measured; odometry counts as exact.
 
         Raises:
             InputError: If there is no stop.
-            Infeasible: If there is no comparison, or no pose within the bounds has any probability.
+            Infeasible: If there is no comparison, or as in `estimate`.
         """
         inference = self.infer_from_comparisons(stops)
         posterior, theta_rad = inference.posterior, inference.posterior.theta_rad
@@ -183,17 +186,15 @@ class PosteriorLocalizer:
         compared = [
             PlacedComparisons(stop.anchors_newest_m, stop.part_points_m, stop.comparisons, exact) for stop in stops
         ]
-        bounds_m = bounds_about(np.vstack([one.anchors_m for one in compared]))
-        return self._compare(compared, NoiseModel(), "there are only comparisons", bounds_m)
+        return self._compare(compared, NoiseModel(), "there are only comparisons")
 
-    def _compare(
-        self, compared: Sequence[PlacedComparisons], model: NoiseModel, why: str, bounds_m: FloatArray
-    ) -> Inference:
+    def _compare(self, compared: Sequence[PlacedComparisons], model: NoiseModel, why: str) -> Inference:
         if not any(len(one.comparisons) for one in compared):
             abstained = sum(one.comparisons.abstained for one in compared)
             raise Infeasible("no pair of anchors could be compared", rows=0, abstained=abstained)
         # The place of a tag is known no better than what its comparisons can tell apart.
         model = replace(model, bias_m=max(LEAST_BIAS_M, model.comparison_m))
+        bounds_m = bounds_about(np.vstack([one.anchors_m for one in compared]))
         return self._solve(comparison_evidence(compared, model, self.tempering), model, why, bounds_m)
 
     def _solve(self, evidence: PartEvidence, noise: NoiseModel, why: str, bounds_m: FloatArray) -> Inference:
@@ -203,6 +204,9 @@ class PosteriorLocalizer:
         else:
             trusted = trust(evidence, bounds_m)
             posterior = infer_pose(trusted.evidence, trusted.seen, bounds_m)
+        if (share := posterior.border_share(bounds_m)) > LARGEST_BORDER_SHARE:
+            message = f"{share:.0%} of the probability gathers along the border of {bounds_m.tolist()} m"
+            raise Infeasible(message, bounds_m=bounds_m.tolist(), border_share=share, rows=evidence.rows)
         return Inference(posterior, trusted, noise, why)
 
     def _why_not_distances(self, noise: Mapping[str, NoiseModel]) -> str | None:
@@ -227,5 +231,8 @@ class PosteriorLocalizer:
             raise InputError(f"sample_count = {self.sample_count} is below 0", sample_count=self.sample_count)
 
 
-def _bounds(stops: Sequence[PlacedStop]) -> FloatArray:
-    return bounds_about(np.vstack([stop.anchors_m for stop in stops]))
+def _bounds_of_distances(stops: Sequence[PlacedStop], noise: Mapping[str, NoiseModel]) -> FloatArray:
+    """As far about the anchors as one and a half of the median distance, and at least 3 m."""
+    r_m = np.concatenate([(stop.m / noise[stop.kind].scale).ravel() for stop in stops])
+    margin_m = float(np.clip(1.5 * np.nanmedian(r_m), BOUNDS_MARGIN_M, LARGEST_MARGIN_M))
+    return bounds_about(np.vstack([stop.anchors_m for stop in stops]), margin_m)
