@@ -7,6 +7,7 @@ from rfcompass.localization.hyperbolic import HyperbolicSurveyor
 from rfcompass.localization.locate_all import LocatedTags, locate_all
 from rfcompass.localization.measure_more import MeasureMore, MoreAperture, measure_more
 from rfcompass.localization.measuring import measure_proximities
+from rfcompass.localization.nearest_tag import NearestTagLocalizer
 from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_file import answer_partition
 from rfcompass.localization.partition_solver import PartitionSolution, solve_partition
@@ -17,6 +18,7 @@ from rfcompass.localization.posterior import PosteriorLocalizer
 from rfcompass.localization.problem import PartitionProblem, bounds_about, build_partition, comparison_rows
 from rfcompass.localization.reach import in_reach_by_base_end, in_reach_by_mean, next_goal, well_positioned
 from rfcompass.localization.sar import WRIST_SAR, SarSurveyor, sar_image
+from rfcompass.localization.sar_localizer import SarLocalizer
 from rfcompass.localization.search_volume import default_volume
 from rfcompass.localization.survey import SURVEYORS, survey
 from rfcompass.localization.window import recent_stops
@@ -30,6 +32,7 @@ __all__ = [
     "LocatedTags",
     "MeasureMore",
     "MoreAperture",
+    "NearestTagLocalizer",
     "PartitionLocalizer",
     "PartitionProblem",
     "PartitionSolution",
@@ -37,6 +40,7 @@ __all__ = [
     "PhaseSign",
     "PosePosterior",
     "PosteriorLocalizer",
+    "SarLocalizer",
     "SarSurveyor",
     "answer_partition",
     "bounds_about",

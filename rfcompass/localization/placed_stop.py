@@ -165,3 +165,14 @@ def place_labels(points_m: FloatArray) -> IntArray:
     """
     apart = np.abs(points_m[:, None] - points_m[None]).max(axis=2) > SAME_PLACE_M
     return np.asarray((~apart).argmax(axis=1), dtype=np.int64)
+
+
+def same_tags(points_m: FloatArray, others_m: FloatArray) -> IntArray:
+    """Index of the tag in the same place on the part, for each tag; -1 where there is none, shape (K,).
+
+    Args:
+        points_m: Tags: x, y in the part frame, z in the base frame [m], shape (K, 3).
+        others_m: Tags of another stop, in any order [m], shape (L, 3).
+    """
+    apart = np.abs(points_m[:, None, :2] - others_m[None, :, :2]).max(axis=2)
+    return np.where(apart.min(axis=1) <= SAME_PLACE_M, apart.argmin(axis=1), -1)

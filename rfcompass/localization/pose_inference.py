@@ -52,6 +52,13 @@ class SeenTag(Record):
         return np.asarray(self.cells_m[self.log_likelihood.argmax()])
 
     @property
+    def top_m(self) -> FloatArray:
+        """Likeliest place, between squares: mean over the best one and its neighbours [m], shape (2,)."""
+        near = np.abs(self.cells_m - self.best_m).max(axis=1) < 1.5 * self.side_m
+        weight = np.exp(self.log_likelihood[near] - self.log_likelihood.max())
+        return np.asarray(weight @ self.cells_m[near] / weight.sum())
+
+    @property
     def log_mass(self) -> float:
         """Log of the integral of the likelihood over the plane [log m²]."""
         top = float(self.log_likelihood.max())

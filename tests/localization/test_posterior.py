@@ -190,7 +190,7 @@ def test_anchors_in_a_row_leave_the_mirror_image_open():
 
 
 def test_one_anchor_is_refused_and_two_leave_a_wide_region():
-    stop, truth = along_a_line(9)
+    stop, _ = along_a_line(9)
     with pytest.raises(DegenerateAnchors):
         LOCALIZER.estimate([replace(stop, anchors=TagPositions("base", ("r0",), stop.anchors.points_m[:1]))])
     two = TagPositions("base", ("r0", "r8"), stop.anchors.points_m[[0, 8]])
