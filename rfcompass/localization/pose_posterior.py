@@ -27,6 +27,7 @@ class PosePosterior(Record):
         lift_m: How much higher than stated the part lies in each cell [m], shape (C,).
         log_evidence: Log of the mean likelihood over all poses that were allowed, without constants.
         rigid: Place of the hub and θ that best fit the likeliest place of each tag, as a cross-check, shape (3,).
+        poses: Pose (x, y, θ) of the part in the middle of each cell, from the others [m, m, rad], shape (C, 3).
     """
 
     cells: FloatArray
@@ -36,6 +37,7 @@ class PosePosterior(Record):
     lift_m: FloatArray = field(default_factory=lambda: np.zeros(0))
     log_evidence: float = 0.0
     rigid: FloatArray = field(default_factory=lambda: np.zeros(3))
+    poses: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
@@ -47,21 +49,20 @@ class PosePosterior(Record):
         lift_m = self.lift_m if len(self.lift_m) else np.zeros(C)
         set_(self, "lift_m", read_only(lift_m, "PosePosterior.lift_m", (C,)))
         set_(self, "rigid", read_only(self.rigid, "PosePosterior.rigid", (3,)))
-
-    @property
-    def poses(self) -> FloatArray:
-        """Pose (x, y, θ) of the part in the middle of each cell [m, m, rad], shape (C, 3)."""
-        return centred(self.cells, self.hub_m)
+        set_(self, "poses", read_only(centred(self.cells, self.hub_m), "PosePosterior.poses", (C, 3)))
 
     @property
     def theta_mean(self) -> complex:
         """Mean of exp(jθ): its angle is the circular mean, its length 1 for one orientation and 0 for all."""
-        return complex(self.weight @ np.exp(1j * self.cells[:, 2])) * float(np.sinc(self.half[1] / np.pi))
+        theta = self.cells[:, 2]
+        mean = complex(self.weight @ np.cos(theta), self.weight @ np.sin(theta))
+        return mean * float(np.sinc(self.half[1] / np.pi))
 
     @property
     def theta_rad(self) -> float | None:
         """Circular mean of θ [rad]; None if its resultant is shorter than a half."""
-        return float(np.angle(self.theta_mean)) if abs(self.theta_mean) >= FIRM else None
+        mean = self.theta_mean
+        return float(np.angle(mean)) if abs(mean) >= FIRM else None
 
     @property
     def mean_m(self) -> FloatArray:
@@ -76,10 +77,8 @@ class PosePosterior(Record):
     @property
     def covariance(self) -> FloatArray:
         """Covariance of (x, y, θ), θ about its circular mean; NaN for θ where it is not observable, shape (3, 3)."""
-        poses = self.poses
-        deviation = np.column_stack(
-            [poses[:, :2] - self.mean_m, angle_difference(poses[:, 2], np.angle(self.theta_mean))]
-        )
+        turned = angle_difference(self.poses[:, 2], np.angle(self.theta_mean))
+        deviation = np.column_stack([self.poses[:, :2] - self.mean_m, turned])
         within = np.diag(self._cell_variance)
         covariance = (deviation * self.weight[:, None]).T @ deviation + within
         if self.theta_rad is None:
