@@ -25,7 +25,7 @@ from benchmarks.bench_partition import PART_M
 from benchmarks.timing import Timing, show
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry import Pose2
-from rfcompass.localization import PosteriorLocalizer
+from rfcompass.localization import PosteriorLocalizer, measure_proximities
 from rfcompass.types import Observation, ProximityMatrix, TagLayout, TagPositions
 
 FIRST_SEED = 5000
@@ -52,7 +52,7 @@ class Problem:
     @property
     def distances_m(self) -> FloatArray:
         """Distances of all part tags to them, shape (K, S N)."""
-        return np.hstack([_matrix(stop).m for stop in self.stops])
+        return np.hstack([measure_proximities(stop).m for stop in self.stops])
 
 
 def run(fast: bool = False) -> list[Timing]:
@@ -154,11 +154,6 @@ def _times(solve: Callable[[Problem], FloatArray], problems: Sequence[Problem]) 
 
 def _points(K: int) -> FloatArray:
     return {1: np.array([[0.0, 0.0, 0.05]]), 2: PART_M[[0, 3]], 4: PART_M}[K]
-
-
-def _matrix(stop: Observation) -> ProximityMatrix:
-    assert stop.proximity is not None
-    return stop.proximity
 
 
 def _problem(seed: int, M: int, K: int = 4) -> Problem:
