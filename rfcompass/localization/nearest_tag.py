@@ -24,7 +24,7 @@ class NearestTagLocalizer:
 
     Attributes:
         neighbours: n.
-        meter: Measures proximities where an observation does not bring its own.
+        meter: Measures proximities where an observation does not bring its own; `auto` if None.
     """
 
     neighbours: int = 3
@@ -37,7 +37,7 @@ class NearestTagLocalizer:
             observations: Stops, newest last; all are used, odometry counts as exact.
 
         Raises:
-            InputError: If there is no stop, one has neither proximities nor a meter, or `neighbours` is below 1.
+            InputError: If there is no stop, or `neighbours` is below 1.
             DegenerateAnchors: If a stop has fewer than two anchors, or all in one place.
             TagNeverHeard: If no tag of the part was heard.
         """

@@ -102,10 +102,11 @@ def place_stops(observations: Sequence[Observation], meter: ProximityMeter | Non
 
     Args:
         observations: Stops of one part, newest last.
-        meter: Measures the proximities of stops that do not bring their own.
+        meter: Measures the proximities of stops that do not bring their own; `auto` if None.
 
     Raises:
-        InputError: If there is no stop, stops are about different parts, or one has no proximities and no meter.
+        InputError: If there is no stop, or stops are about different parts.
+        NoAnswer: If the meter has no answer; the subclass says why.
         DegenerateAnchors: If a stop has fewer than two anchors, or all in one place.
     """
     if not observations:
@@ -118,22 +119,30 @@ def place_stops(observations: Sequence[Observation], meter: ProximityMeter | Non
 
 def _place(stop: Observation, newest: Observation, matrix: ProximityMatrix) -> PlacedStop:
     rows, columns = _places(stop.part.epcs, matrix.target_epcs), _places(stop.anchors.epcs, matrix.anchor_epcs)
-    padded = np.pad(matrix.m, ((0, 1), (0, 1)), constant_values=np.nan)
-    own = np.pad(matrix.anchor_m, ((0, 1), (0, 1)), constant_values=np.nan)
     return PlacedStop(
         (newest.base_pose.inverse() @ stop.base_pose).apply(stop.anchors.points_m),
         np.column_stack([stop.part.points_m[:, :2], stop.part_tag_heights_m]),
-        padded[np.ix_(rows, columns)],
-        own[np.ix_(columns, columns)],
+        _picked(matrix.m, rows, columns),
+        _picked(matrix.anchor_m, columns, columns),
         matrix.kind,
         odometry_spread(stop, newest),
     )
 
 
 def _places(wanted: Sequence[str], given: Sequence[str]) -> IntArray:
-    """Index of each wanted EPC among the given ones; -1, the row of NaN, for one that is not there."""
+    """Index of each wanted EPC among the given ones; -1 for one that is not there."""
     place = {epc: n for n, epc in enumerate(given)}
     return np.array([place.get(epc, -1) for epc in wanted], dtype=np.int64)
+
+
+def _picked(m: FloatArray, rows: IntArray, columns: IntArray) -> FloatArray:
+    """Return the given rows and columns, NaN where an index is -1."""
+    if not m.size:
+        return np.full((rows.size, columns.size), np.nan)
+    found = np.array(m[rows[:, None], columns])
+    found[rows < 0] = np.nan
+    found[:, columns < 0] = np.nan
+    return found
 
 
 def odometry_spread(stop: Observation, newest: Observation) -> OdometrySpread:

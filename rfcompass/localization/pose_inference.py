@@ -20,7 +20,7 @@ _TAG_LIMITS = np.array([0.32, 1.25e-3, 12.0, 20.0])
 _MAX_TAG_CELLS = 4000
 # [log density below the best that counts as nothing, cells over which the pose must spread, smallest and largest side
 # of a cell [m]].
-_POSE_LIMITS = np.array([9.0, 60.0, 2e-4, 0.04])
+_POSE_LIMITS = np.array([8.5, 45.0, 2e-4, 0.04])
 _MAX_POSE_CELLS = 16000
 _PITCH_PER_BIAS = 0.7  # a normal density sampled at 0.7 σ keeps its sums to 1e-8
 _MAX_MAP_POINTS = 30_000

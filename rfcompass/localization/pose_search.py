@@ -281,18 +281,22 @@ def pose_cells(
     for k in range(stack.levers_m.shape[0]):
         lever = max(lever, np.hypot(stack.levers_m[k, 0], stack.levers_m[k, 1]))
     cells, half = _first_cells(stack, lever)
-    start = _values(stack, rigid_start(stack).reshape(1, 3), bounds_m)[0]
+    best = _values(stack, rigid_start(stack).reshape(1, 3), bounds_m)[0]
     while True:
-        value = _values(stack, cells, bounds_m)
-        best = value.max() if value.size else -np.inf
-        enough = best > -np.inf and half[0] <= 0.5 * limits[3] and effective_count(value) >= limits[1]
+        # Middles of large cells say little: a good start prunes as well as they do.
+        fine = half[0] <= 0.5 * limits[3]
+        value = _values(stack, cells, bounds_m) if fine or best == -np.inf else np.full(cells.shape[0], -np.inf)
+        best = max(best, value.max()) if value.size else best
+        enough = fine and best > -np.inf and effective_count(value) >= limits[1]
         if enough or half[0] <= 0.5 * limits[2] or value.size == 0:
             break
-        alive = _alive(stack, cells, half, bounds_m, max(best, start) - limits[0])
+        alive = _alive(stack, cells, half, bounds_m, best - limits[0])
         turn = lever > LEAST_LEVER_M and lever * half[1] > np.sqrt(2.0) * half[0]
         if (2 if turn else 4) * alive.shape[0] > max_cells:
+            value = _values(stack, cells, bounds_m)
             break
         cells = split_cells(alive, half, turn)
         half[1 if turn else 0] /= 2.0
-    kept: IntArray = np.flatnonzero((value >= best - limits[0]) & (value > -np.inf))
+    top = value.max() if value.size else -np.inf
+    kept: IntArray = np.flatnonzero((value >= top - limits[0]) & (value > -np.inf))
     return cells[kept], value[kept], half

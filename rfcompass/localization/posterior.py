@@ -101,7 +101,7 @@ class PosteriorLocalizer:
             Needs a meter that measures in space: `sar_nearfield` takes the stated heights for granted.
         probability: Probability of the region that the estimate carries.
         sample_count: Number of samples that the estimate carries.
-        meter: Measures proximities where an observation does not bring its own.
+        meter: Measures proximities where an observation does not bring its own; `auto` if None.
     """
 
     use: Use = "auto"
@@ -124,7 +124,7 @@ class PosteriorLocalizer:
             about θ, the fitted noise, what was left out, and how far the rigid fit lies from the mean.
 
         Raises:
-            InputError: If there is no stop, or one has neither proximities nor a meter.
+            InputError: If there is no stop.
             DegenerateAnchors: If a stop has fewer than two anchors, or all in one place.
             TagNeverHeard: If no tag of the part was heard.
             Infeasible: If no pair of anchors could be compared, no pose within the bounds has any probability, or most

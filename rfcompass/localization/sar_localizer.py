@@ -31,7 +31,7 @@ class SarLocalizer:
 
     Attributes:
         margin_m: How far beyond the robot's tags a part tag may lie [m].
-        meter: Measures proximities where an observation does not bring its own.
+        meter: Measures proximities where an observation does not bring its own; `auto` if None.
     """
 
     margin_m: float = BOUNDS_MARGIN_M
@@ -44,7 +44,7 @@ class SarLocalizer:
             observations: Stops, newest last; all are used.
 
         Raises:
-            InputError: If there is no stop, or one has neither proximities nor a meter.
+            InputError: If there is no stop.
             DegenerateAnchors: If a stop has fewer than two anchors, or all in one place.
             TagNeverHeard: If no tag of the part was heard, or one only of several: its other end may be anywhere.
         """

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rfcompass.errors import DegenerateAnchors, InputError
+from rfcompass.errors import DegenerateAnchors, InputError, TagNeverHeard
 from rfcompass.geometry import Pose2
 from rfcompass.localization.placed_stop import odometry_spread, place_labels, place_stops
 from rfcompass.types import TagPositions
@@ -48,9 +48,11 @@ def test_proximities_follow_the_names_of_tags_and_are_missing_where_a_tag_was_no
 def test_nothing_different_parts_and_silence_are_refused():
     (stop,), _ = biased_stops(np.random.default_rng(1), M=1)
     other = replace(stop, part=replace(stop.part, body="top"))
-    for wrong in ([], [stop, other], [replace(stop, proximity=None)]):
+    for wrong in ([], [stop, other]):
         with pytest.raises(InputError):
             place_stops(wrong)
+    with pytest.raises(TagNeverHeard):
+        place_stops([replace(stop, proximity=None)])
 
 
 def test_fewer_than_two_places_of_anchors_are_refused():
