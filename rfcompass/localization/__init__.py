@@ -8,6 +8,8 @@ from rfcompass.localization.locate_all import LocatedTags, locate_all
 from rfcompass.localization.measure_more import MeasureMore, MoreAperture, measure_more
 from rfcompass.localization.measuring import measure_proximities
 from rfcompass.localization.nearest_tag import NearestTagLocalizer
+from rfcompass.localization.next_best_stop import StopScores, next_best_stop
+from rfcompass.localization.noise_model import NoiseModel
 from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_file import answer_partition
 from rfcompass.localization.partition_solver import PartitionSolution, solve_partition
@@ -20,6 +22,7 @@ from rfcompass.localization.reach import in_reach_by_base_end, in_reach_by_mean,
 from rfcompass.localization.sar import WRIST_SAR, SarSurveyor, sar_image
 from rfcompass.localization.sar_localizer import SarLocalizer
 from rfcompass.localization.search_volume import default_volume
+from rfcompass.localization.settled import StopRule
 from rfcompass.localization.survey import SURVEYORS, survey
 from rfcompass.localization.window import recent_stops
 
@@ -33,6 +36,7 @@ __all__ = [
     "MeasureMore",
     "MoreAperture",
     "NearestTagLocalizer",
+    "NoiseModel",
     "PartitionLocalizer",
     "PartitionProblem",
     "PartitionSolution",
@@ -42,6 +46,8 @@ __all__ = [
     "PosteriorLocalizer",
     "SarLocalizer",
     "SarSurveyor",
+    "StopRule",
+    "StopScores",
     "answer_partition",
     "bounds_about",
     "build_partition",
@@ -55,6 +61,7 @@ __all__ = [
     "locate_all",
     "measure_more",
     "measure_proximities",
+    "next_best_stop",
     "next_goal",
     "recent_stops",
     "sar_image",
