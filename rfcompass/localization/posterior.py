@@ -157,7 +157,7 @@ class PosteriorLocalizer:
             PlacedComparisons(stop.anchors_m, stop.part_points_m, compare_proximities(stop.m), stop.odometry)
             for stop in stops
         ]
-        return self._compare(compared, model, why)
+        return self._compare(compared, _no_better_than_comparisons(model), why)
 
     def fit(self, stops: Sequence[ComparedStop]) -> PoseFit:
         """Find the pose from comparisons whose quality nobody measured; odometry counts as exact.
@@ -177,8 +177,13 @@ class PosteriorLocalizer:
             diagnostics={"probability": self.probability, **inference.diagnostics},
         )  # fmt: skip
 
-    def infer_from_comparisons(self, stops: Sequence[ComparedStop]) -> Inference:
-        """Find the posterior itself, with all regions, modes and samples, from comparisons alone; see `fit`."""
+    def infer_from_comparisons(self, stops: Sequence[ComparedStop], noise: NoiseModel | None = None) -> Inference:
+        """Find the posterior itself, with all regions, modes and samples, from comparisons alone; see `fit`.
+
+        Args:
+            stops: Stops, newest last.
+            noise: How far comparisons can be trusted, and the bias of a tag's place, if that is known.
+        """
         self._check()
         if not stops:
             raise InputError("no stop was given", stops=0)
@@ -186,14 +191,16 @@ class PosteriorLocalizer:
         compared = [
             PlacedComparisons(stop.anchors_newest_m, stop.part_points_m, stop.comparisons, exact) for stop in stops
         ]
-        return self._compare(compared, NoiseModel(), "there are only comparisons")
+        if noise is None:
+            noise, why = _no_better_than_comparisons(NoiseModel()), "there are only comparisons"
+        else:
+            why = "there are only comparisons, of known quality"
+        return self._compare(compared, noise, why)
 
     def _compare(self, compared: Sequence[PlacedComparisons], model: NoiseModel, why: str) -> Inference:
         if not any(len(one.comparisons) for one in compared):
             abstained = sum(one.comparisons.abstained for one in compared)
             raise Infeasible("no pair of anchors could be compared", rows=0, abstained=abstained)
-        # The place of a tag is known no better than what its comparisons can tell apart.
-        model = replace(model, bias_m=max(LEAST_BIAS_M, model.comparison_m))
         bounds_m = bounds_about(np.vstack([one.anchors_m for one in compared]))
         return self._solve(comparison_evidence(compared, model, self.tempering), model, why, bounds_m)
 
@@ -236,3 +243,8 @@ def _bounds_of_distances(stops: Sequence[PlacedStop], noise: Mapping[str, NoiseM
     r_m = np.concatenate([(stop.m / noise[stop.kind].scale).ravel() for stop in stops])
     margin_m = float(np.clip(1.5 * np.nanmedian(r_m), BOUNDS_MARGIN_M, LARGEST_MARGIN_M))
     return bounds_about(np.vstack([stop.anchors_m for stop in stops]), margin_m)
+
+
+def _no_better_than_comparisons(model: NoiseModel) -> NoiseModel:
+    """The place of a tag is known no better than what its comparisons can tell apart."""
+    return replace(model, bias_m=max(LEAST_BIAS_M, model.comparison_m))

@@ -11,6 +11,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.measured:MEASURED_PROXIMITY",
     "rfcompass.studies.comparisons:COMPARISONS",
     "rfcompass.studies.fetches:FETCHES",
+    "rfcompass.studies.resolution:RESOLUTION",
     "rfcompass.studies.polarisation:POLARISATION",
     "rfcompass.studies.fusebot:FUSEBOT_LOCALISATION",
 )
