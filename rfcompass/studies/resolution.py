@@ -214,8 +214,8 @@ RESOLUTION = Study(
     note=(
         "Six robot tags, two part tags, no odometry error. Comparisons are exact, or flipped at random wherever they "
         "fall; a radio errs on near ties. Every method is told the first hand pose, within 30 cm. `paper` is Eq. 8 "
-        "with the schedule of ε and the analytic centre; `consistency` is what the paper says that outlier rejection is "
-        "after; `posterior` uses comparisons only, and is told what share of them is wrong. A run without an answer "
-        "has no error."
+        "with the schedule of ε and the analytic centre; `consistency` is what the paper calls the aim of outlier "
+        "rejection; `posterior` uses comparisons only, and is told what share of them is wrong. A run without an "
+        "answer has no error."
     ),
 )  # fmt: skip
