@@ -12,6 +12,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.comparisons:COMPARISONS",
     "rfcompass.studies.fetches:FETCHES",
     "rfcompass.studies.resolution:RESOLUTION",
+    "rfcompass.studies.accuracy:ACCURACY",
     "rfcompass.studies.polarisation:POLARISATION",
     "rfcompass.studies.fusebot:FUSEBOT_LOCALISATION",
 )
