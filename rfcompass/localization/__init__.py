@@ -4,7 +4,10 @@ from rfcompass.localization.compared_stop import ComparedStop, compared_stops
 from rfcompass.localization.comparing import compare_proximities
 from rfcompass.localization.consistency import ConsistencyLocalizer
 from rfcompass.localization.hyperbolic import HyperbolicSurveyor
+from rfcompass.localization.layout_design import DesignedLayout, design_layout
+from rfcompass.localization.layout_error import LayoutError
 from rfcompass.localization.locate_all import LocatedTags, locate_all
+from rfcompass.localization.lying_tags import lying_tags
 from rfcompass.localization.measure_more import MeasureMore, MoreAperture, measure_more
 from rfcompass.localization.measuring import measure_proximities
 from rfcompass.localization.nearest_tag import NearestTagLocalizer
@@ -31,7 +34,9 @@ __all__ = [
     "WRIST_SAR",
     "ComparedStop",
     "ConsistencyLocalizer",
+    "DesignedLayout",
     "HyperbolicSurveyor",
+    "LayoutError",
     "LocatedTags",
     "MeasureMore",
     "MoreAperture",
@@ -55,10 +60,12 @@ __all__ = [
     "compared_stops",
     "comparison_rows",
     "default_volume",
+    "design_layout",
     "detect_phase_sign",
     "in_reach_by_base_end",
     "in_reach_by_mean",
     "locate_all",
+    "lying_tags",
     "measure_more",
     "measure_proximities",
     "next_best_stop",

@@ -44,6 +44,8 @@ ARMS = {
     "skew, active": ("skew6", "active"),
     "from the text, sweep": ("text6", "sweep"),
     "from the text, active": ("text6", "active"),
+    "designed, sweep": ("designed6", "sweep"),
+    "designed, active": ("designed6", "active"),
 }
 MAIN_ARM = "skew, sweep"
 SIDE_SEEDS = 1200  # the other arms stop there
