@@ -211,7 +211,9 @@ class PosteriorLocalizer:
         else:
             trusted = trust(evidence, bounds_m)
             posterior = infer_pose(trusted.evidence, trusted.seen, bounds_m)
-        if (share := posterior.border_share(bounds_m)) > LARGEST_BORDER_SHARE:
+        # Comparisons leave a far part's distance open, so that bounds which the caller gives are what ends it.
+        open_ended = self.bounds_m is not None and not evidence.ranges
+        if not open_ended and (share := posterior.border_share(bounds_m)) > LARGEST_BORDER_SHARE:
             message = f"{share:.0%} of the probability gathers along the border of {bounds_m.tolist()} m"
             raise Infeasible(message, bounds_m=bounds_m.tolist(), border_share=share, rows=evidence.rows)
         return Inference(posterior, trusted, noise, why)

@@ -81,8 +81,14 @@ class Measured:
         return np.column_stack([centre_m - PRIOR_M, centre_m + PRIOR_M])
 
     def poses(self) -> FloatArray:
-        """Samples of the posterior, for choosing the next stop."""
-        found = _posterior(self.bounds_m()).infer_from_comparisons(self.in_newest_frame(), self.noise)
+        """Samples of the posterior, for choosing the next stop; of the prior where it has no answer."""
+        bounds_m = self.bounds_m()
+        try:
+            found = _posterior(bounds_m).infer_from_comparisons(self.in_newest_frame(), self.noise)
+        except NoAnswer:
+            rng = np.random.default_rng(0)
+            places_m = rng.uniform(bounds_m[:, 0], bounds_m[:, 1], (200, 2))
+            return np.column_stack([places_m, rng.uniform(-np.pi, np.pi, 200)])
         return found.posterior.samples(200)
 
 
