@@ -30,9 +30,9 @@ check: $(VENV)/.test
 bench: $(VENV)/.test  ## our timings beside the peers'
 	$(BIN)/rfcompass bench
 
-RESULTS := measured-survey measured-proximity wrong-comparisons tag-polarisation fetches fusebot-localisation
+RESULTS := measured-survey measured-proximity wrong-comparisons tag-polarisation resolution accuracy fetches fusebot-localisation
 
-results: $(VENV)/.test  ## the README's tables, in an hour; needs RFCOMPASS_MEASURED_DATA
+results: $(VENV)/.test  ## the README's tables, in three hours; needs RFCOMPASS_MEASURED_DATA
 	rm -rf runs/results && mkdir -p runs/results
 	set -e; for name in $(RESULTS); do \
 	    OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/rfcompass study run $$name --workers 2 --out runs/results/$$name; done
