@@ -208,22 +208,41 @@ def split_cells(cells: FloatArray, half: FloatArray, turn: bool) -> FloatArray:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _first_cells(stack: MapStack, lever: float) -> tuple[FloatArray, FloatArray]:
-    """Squares wherever the hub may lie by the map of tag 0, times ranges of θ over the circle; and their half sizes.
+def _hub_box(stack: MapStack, bounds_m: FloatArray) -> FloatArray:
+    """Rectangle of all places of the hub that the map of any tag and the bounds allow, shape (2, 2).
+
+    Of any, not of all: a tag whose fix is altogether wrong must not hide where the others agree.
+    """
+    box = np.array([[np.inf, -np.inf], [np.inf, -np.inf]])
+    lever = np.hypot(stack.hub_m[0], stack.hub_m[1])
+    for k in range(stack.levers_m.shape[0]):
+        reach = np.hypot(stack.levers_m[k, 0], stack.levers_m[k, 1])
+        for axis in range(2):
+            last = stack.first_m[k, axis] + (stack.shapes[k, 1 + axis] - 1) * stack.pitch_m[k]
+            box[axis, 0] = min(box[axis, 0], stack.first_m[k, axis] - reach)
+            box[axis, 1] = max(box[axis, 1], last + reach)
+    for axis in range(2):
+        box[axis, 0] = max(box[axis, 0], bounds_m[axis, 0] - lever)
+        box[axis, 1] = min(box[axis, 1], bounds_m[axis, 1] + lever)
+    return box
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _first_cells(stack: MapStack, bounds_m: FloatArray, lever: float) -> tuple[FloatArray, FloatArray]:
+    """Squares wherever the hub may lie, times ranges of θ over the circle; and their half sizes.
 
     Sides are powers of two, so that cells of several searches can be brought to one size.
     """
-    reach = np.sqrt(stack.levers_m[0, 0] ** 2 + stack.levers_m[0, 1] ** 2)
-    extent_x = (stack.shapes[0, 1] - 1) * stack.pitch_m[0] + 2.0 * reach
-    extent_y = (stack.shapes[0, 2] - 1) * stack.pitch_m[0] + 2.0 * reach
-    side = 2.0 ** np.ceil(np.log2(max(extent_x, extent_y) / FIRST_CELLS))
+    box = _hub_box(stack, bounds_m)
+    extent_x, extent_y = max(box[0, 1] - box[0, 0], 0.0), max(box[1, 1] - box[1, 0], 0.0)
+    side = 2.0 ** np.ceil(np.log2(max(extent_x, extent_y, 1e-9) / FIRST_CELLS))
     turns = FIRST_CELLS if lever > LEAST_LEVER_M else 1
     nx, ny = int(np.ceil(extent_x / side)), int(np.ceil(extent_y / side))
     half = np.array([side / 2.0, np.pi / turns])
     cells = np.empty((nx * ny * turns, 3))
     for n in range(cells.shape[0]):
-        cells[n, 0] = stack.first_m[0, 0] - reach + side * (n // (ny * turns) + 0.5)
-        cells[n, 1] = stack.first_m[0, 1] - reach + side * (n // turns % ny + 0.5)
+        cells[n, 0] = box[0, 0] + side * (n // (ny * turns) + 0.5)
+        cells[n, 1] = box[1, 0] + side * (n // turns % ny + 0.5)
         cells[n, 2] = -np.pi + (2.0 * (n % turns) + 1.0) * half[1]
     return cells, half
 
@@ -241,23 +260,44 @@ def centred(hubs: FloatArray, hub_m: FloatArray) -> FloatArray:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def rigid_start(stack: MapStack) -> FloatArray:
+def rigid_start(stack: MapStack, but: int = -1) -> FloatArray:
     """Pose of the hub that fits the best place of each tag, by least squares; see `geometry.registration`, shape (3,).
 
-    It only has to be good: a log density found early saves the search of all that lies far below it.
+    Args:
+        stack: Maps of the tags.
+        but: A tag to leave out; -1 for none.
     """
-    K = stack.levers_m.shape[0]
+    K, weight = stack.levers_m.shape[0], np.ones(stack.levers_m.shape[0])
+    if but >= 0:
+        weight[but] = 0.0
+    weight /= weight.sum()
     tops = np.empty((K, 2))
     for k in range(K):
         offset, X, Y = stack.shapes[k, 0], stack.shapes[k, 1], stack.shapes[k, 2]
         at = stack.values[offset : offset + X * Y].argmax()
         tops[k, 0] = stack.first_m[k, 0] + stack.pitch_m[k] * (at // Y)
         tops[k, 1] = stack.first_m[k, 1] + stack.pitch_m[k] * (at % Y)
-    x, y = tops[:, 0].mean(), tops[:, 1].mean()
-    lx, ly = stack.levers_m[:, 0], stack.levers_m[:, 1]
-    cross = (lx * (tops[:, 1] - y) - ly * (tops[:, 0] - x)).sum()
-    dot = (lx * (tops[:, 0] - x) + ly * (tops[:, 1] - y)).sum()
-    return np.array([x, y, np.arctan2(cross, dot)])
+    x, y = (weight * tops[:, 0]).sum(), (weight * tops[:, 1]).sum()
+    mx, my = (weight * stack.levers_m[:, 0]).sum(), (weight * stack.levers_m[:, 1]).sum()
+    lx, ly = stack.levers_m[:, 0] - mx, stack.levers_m[:, 1] - my
+    cross = (weight * (lx * (tops[:, 1] - y) - ly * (tops[:, 0] - x))).sum()
+    dot = (weight * (lx * (tops[:, 0] - x) + ly * (tops[:, 1] - y))).sum()
+    theta = np.arctan2(cross, dot)
+    c, s = np.cos(theta), np.sin(theta)
+    return np.array([x - c * mx + s * my, y - s * mx - c * my, theta])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _start_value(stack: MapStack, bounds_m: FloatArray) -> float:
+    """Log density of a good pose: a rigid fit of all tags, or of all but one, whose fix may be altogether wrong.
+
+    It only has to be good: a log density found early saves the search of all that lies far below it.
+    """
+    K = stack.levers_m.shape[0]
+    starts = np.empty((K + 1 if K > 2 else 1, 3))
+    for n in range(starts.shape[0]):
+        starts[n] = rigid_start(stack, n - 1)
+    return _values(stack, starts, bounds_m).max()
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -280,8 +320,8 @@ def pose_cells(
     lever = np.hypot(stack.hub_m[0], stack.hub_m[1])
     for k in range(stack.levers_m.shape[0]):
         lever = max(lever, np.hypot(stack.levers_m[k, 0], stack.levers_m[k, 1]))
-    cells, half = _first_cells(stack, lever)
-    best = _values(stack, rigid_start(stack).reshape(1, 3), bounds_m)[0]
+    cells, half = _first_cells(stack, bounds_m, lever)
+    best = _start_value(stack, bounds_m)
     while True:
         # Middles of large cells say little: a good start prunes as well as they do.
         fine = half[0] <= 0.5 * limits[3]

@@ -74,6 +74,14 @@ def test_the_rigid_start_is_the_pose_itself_when_nothing_is_off():
     assert centred(start[None], bells().hub_m)[0] == pytest.approx([0.31, -0.22, 0.8], abs=0.02)
 
 
+def test_the_rigid_start_can_leave_a_tag_out():
+    stack = bells()
+    place_m = stack.first_m.copy()
+    place_m[1] += [2.0, -1.0]
+    start = rigid_start(stack._replace(first_m=place_m), 1)
+    assert centred(start[None], stack.hub_m)[0] == pytest.approx([0.31, -0.22, 0.8], abs=0.02)
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_cells_hold_the_probability_that_a_dense_grid_finds(seed):
     stack = bells(rng=np.random.default_rng(seed))

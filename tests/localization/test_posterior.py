@@ -154,6 +154,27 @@ def test_three_of_four_tags_are_enough():
     assert np.median(errors_m) < 0.025
 
 
+@pytest.mark.parametrize("off_m", [0.5, 4.0])
+@pytest.mark.parametrize("tag", [0, 1, 3])
+def test_a_tag_that_seems_to_be_somewhere_else_does_not_hide_where_the_others_are(tag, off_m):
+    """Its image had its peak at an echo: all its distances agree, on a wrong place."""
+    for seed in range(4):
+        stops, truth = scene(seed)
+        wrong_m = Pose2(truth.x_m, truth.y_m + off_m, truth.theta_rad).apply(leg_points())[tag]
+        fooled = []
+        for stop in stops:
+            m = stop.proximity.m.copy()
+            m[tag] = np.linalg.norm(wrong_m - stop.anchors.points_m, axis=1)
+            fooled.append(replace(stop, proximity=replace(stop.proximity, m=m)))
+        estimate = LOCALIZER.estimate(fooled)
+        assert np.hypot(*(estimate.centre_m - truth.translation_m)) < 0.07
+        assert turn_between(estimate.theta_rad, truth.theta_rad) < np.radians(20)
+
+
+def turn_between(a_rad, b_rad):
+    return abs((a_rad - b_rad + np.pi) % (2 * np.pi) - np.pi)
+
+
 def test_a_part_of_which_nothing_was_heard_is_refused():
     stops, _ = scene(8)
     with pytest.raises(TagNeverHeard):
