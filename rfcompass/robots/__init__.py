@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 from rfcompass.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from rfcompass.robots.always_touching import always_touching as always_touching
     from rfcompass.robots.checks import RobotReport as RobotReport
     from rfcompass.robots.checks import check_urdf as check_urdf
+    from rfcompass.robots.collision_model import CollisionModel as CollisionModel
     from rfcompass.robots.defect import Defect as Defect
     from rfcompass.robots.description import RobotDescription as RobotDescription
     from rfcompass.robots.description import Tool as Tool
+    from rfcompass.robots.fcl_collisions import FclCollisions as FclCollisions
     from rfcompass.robots.layouts import known_layouts as known_layouts
     from rfcompass.robots.layouts import load_layout as load_layout
     from rfcompass.robots.library import describe_robot as describe_robot
@@ -20,18 +23,23 @@ if TYPE_CHECKING:
     from rfcompass.robots.library import known_robots as known_robots
     from rfcompass.robots.library import load_robot as load_robot
     from rfcompass.robots.limits import JointLimits as JointLimits
+    from rfcompass.robots.quick_collisions import QuickCollisions as QuickCollisions
     from rfcompass.robots.robot import Robot as Robot
     from rfcompass.robots.tagging import tag_urdf as tag_urdf
     from rfcompass.robots.youbot import YouBot as YouBot
 
 _HOME = {
+    "CollisionModel": "collision_model",
     "Defect": "defect",
+    "FclCollisions": "fcl_collisions",
     "JointLimits": "limits",
+    "QuickCollisions": "quick_collisions",
     "Robot": "robot",
     "RobotDescription": "description",
     "RobotReport": "checks",
     "Tool": "description",
     "YouBot": "youbot",
+    "always_touching": "always_touching",
     "check_urdf": "checks",
     "describe_robot": "library",
     "described_robots": "library",
@@ -43,13 +51,17 @@ _HOME = {
 }
 
 __all__ = [
+    "CollisionModel",
     "Defect",
+    "FclCollisions",
     "JointLimits",
+    "QuickCollisions",
     "Robot",
     "RobotDescription",
     "RobotReport",
     "Tool",
     "YouBot",
+    "always_touching",
     "check_urdf",
     "describe_robot",
     "described_robots",
