@@ -71,6 +71,7 @@ class NumericIk:
     program: IkProgram = field(init=False, repr=False)
     lower: FloatArray = field(init=False, repr=False)
     upper: FloatArray = field(init=False, repr=False)
+    draw_bounds: tuple[FloatArray, FloatArray] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Make the program and its bounds."""
@@ -82,6 +83,9 @@ class NumericIk:
         self.lower = np.concatenate([lower[columns], -drive])
         self.upper = np.concatenate([upper[columns], drive])
         self.boxes = box_parameters(self.program.standing)
+        low, high = self.lower[: len(columns)], self.upper[: len(columns)]
+        low, high = np.maximum(low, np.minimum(high, 0) - 2 * np.pi), np.minimum(high, np.maximum(low, 0) + 2 * np.pi)
+        self.draw_bounds = low, high
 
     @property
     def free_bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -127,12 +131,14 @@ class NumericTask:
 
     def starts(self, count: int) -> Iterator[Start]:
         """The present posture with the jaws both ways round, then fixed draws inside the limits."""
-        rng, columns = np.random.default_rng(0), self.ik.program.columns
-        low, high = self.ik.lower[: len(columns)], self.ik.upper[: len(columns)]
-        low, high = np.maximum(low, np.minimum(high, 0) - 2 * np.pi), np.minimum(high, np.maximum(low, 0) + 2 * np.pi)
-        for k in range(count):
-            joints = np.clip(self.present.joints[columns], low, high) if k < 2 else rng.uniform(low, high)
-            yield self._start(joints, flipped=k % 2 == 1)
+        columns = self.ik.program.columns
+        low, high = self.ik.draw_bounds
+        present = np.clip(self.present.joints[columns], low, high)
+        for k in range(min(2, count)):
+            yield self._start(present, flipped=k == 1)
+        rng = np.random.default_rng(0)
+        for k in range(2, count):
+            yield self._start(rng.uniform(low, high), flipped=k % 2 == 1)
 
     def reach(self, start: Start) -> Attempt:
         """Solve from one start without looking at distances."""

@@ -41,7 +41,7 @@ BOX = 15
 # problems the process ends with damaged memory (casadi 3.8.2).
 _SQP: dict[str, Any] = {
     "print_header": False, "print_iteration": False, "print_status": False, "print_time": False, "error_on_fail": False,
-    "max_iter": 25, "tol_pr": 1e-9, "tol_du": 1e-9, "qpsol": "daqp",
+    "max_iter": 25, "tol_pr": 1e-6, "tol_du": 1e-6, "qpsol": "daqp",
     "qpsol_options": {"print_time": False, "error_on_fail": False},
 }  # fmt: skip
 _IPOPT: dict[str, Any] = {

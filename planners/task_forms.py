@@ -107,4 +107,6 @@ def _height_error(jaws: FloatArray | None, closing: FloatArray, alike: bool) -> 
 
 def _angle(first: FloatArray, second: FloatArray) -> float:
     """Angle between two unit vectors [rad], exact for small ones."""
-    return float(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second))
+    (a, b, c), (x, y, z) = first.tolist(), second.tolist()
+    across = np.hypot(np.hypot(b * z - c * y, c * x - a * z), a * y - b * x)
+    return float(np.arctan2(across, a * x + b * y + c * z))

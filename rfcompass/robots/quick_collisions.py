@@ -19,6 +19,10 @@ class QuickCollisions:
 
     Args:
         model: Robot and world.
+
+    Attributes:
+        pair_names: Owners of the solids of each pair (P).
+        pair_solids: Indices of the two solids of each pair in `model.solids`; None for the floor (P).
     """
 
     def __init__(self, model: CollisionModel) -> None:
@@ -33,6 +37,10 @@ class QuickCollisions:
         self._broad = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
             self._pin, self._geometry, self._geometry_data
         )
+        pairs = [(pair.first, pair.second) for pair in self._geometry.collisionPairs]
+        count = len(model.solids)
+        self.pair_names = [(self._names[i], self._names[j]) for i, j in pairs]
+        self.pair_solids = [(i, j if j < count else None) for i, j in pairs]
         self._still = [i for i, solid in enumerate(model.solids) if solid.carrier == WORLD]
         self._base = Pose2()
         self._plain = _is_plain(kinematics)
@@ -40,7 +48,7 @@ class QuickCollisions:
     @property
     def pair_count(self) -> int:
         """Number of pairs of solids that are looked at, the floor included."""
-        return len(self._geometry.collisionPairs)
+        return len(self.pair_names)
 
     def collides(self, configuration: Configuration) -> bool:
         """True if anything touches that must not."""
@@ -50,22 +58,8 @@ class QuickCollisions:
 
     def distances(self, configuration: Configuration) -> FloatArray:
         """Signed distance of each pair [m], in the order of `pair_names`, shape (P,)."""
-        self._stand(configuration.base)
-        q = self._q(configuration.joints)
-        pin.computeDistances(self._pin, self._data, self._geometry, self._geometry_data, q)
+        self._compute_distances(configuration)
         return np.array([result.min_distance for result in self._geometry_data.distanceResults])
-
-    @property
-    def pair_names(self) -> list[tuple[str, str]]:
-        """Owners of the solids of each pair (P)."""
-        return [(self._names[pair.first], self._names[pair.second]) for pair in self._geometry.collisionPairs]
-
-    @property
-    def pair_solids(self) -> list[tuple[int, int | None]]:
-        """Indices of the two solids of each pair in `model.solids`; None for the floor (P)."""
-        count = len(self.model.solids)
-        pairs = ((pair.first, pair.second) for pair in self._geometry.collisionPairs)
-        return [(i, j if j < count else None) for i, j in pairs]
 
     def frame_of(self, i: int) -> "pin.SE3":
         """Pose of the frame of a solid's carrier in the joint that moves it."""
@@ -78,9 +72,8 @@ class QuickCollisions:
         """The pair with the smallest signed distance; None where there is no pair."""
         if not self.pair_count:
             return None
-        distances_m = self.distances(configuration)
-        worst = int(distances_m.argmin())
-        return Clearance(*self.pair_names[worst], float(distances_m[worst]))
+        worst = self._compute_distances(configuration)
+        return Clearance(*self.pair_names[worst], self._geometry_data.distanceResults[worst].min_distance)
 
     def touching(self, configuration: Configuration) -> tuple[Clearance, ...]:
         """Every pair that touches and must not, deepest first; one row for each two owners."""
@@ -89,6 +82,12 @@ class QuickCollisions:
             if distance_m <= 0:
                 deepest[names] = min(distance_m, deepest.get(names, 0.0))
         return tuple(Clearance(*names, float(d)) for names, d in sorted(deepest.items(), key=lambda item: item[1]))
+
+    def _compute_distances(self, configuration: Configuration) -> int:
+        """Compute the distance of each pair; return the number of the nearest."""
+        self._stand(configuration.base)
+        q = self._q(configuration.joints)
+        return int(pin.computeDistances(self._pin, self._data, self._geometry, self._geometry_data, q))
 
     def _add(self, solid: Solid) -> str:
         joint, T = self._place(solid)
