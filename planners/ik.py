@@ -3,10 +3,10 @@
     solver = InverseKinematics(robot, world)
     answer = solver.solve(GraspTask(point_m, approach, closing), robot.posture("scan"))
 
-An arm that yaws, pitches three times and rolls is solved in closed form: every branch is looked at, and the nearest to
-the present posture that touches nothing is the answer. Any other arm, a base that may drive, and a closed form whose
-answers all touch something, go through the optimisation. Whoever answers, pinocchio checks the pose and fcl certifies
-that nothing touches.
+An arm that yaws, pitches three times and rolls is solved in closed form: every branch is looked at, with alike jaws
+either way round, and the nearest to the present posture that touches nothing is the answer. Any other arm, a base that
+may drive, and a closed form of a family of answers that all touch something, go through the optimisation. Whoever
+answers, pinocchio checks the pose and fcl certifies that nothing touches.
 """
 
 from dataclasses import dataclass, field
@@ -16,18 +16,18 @@ import numpy as np
 import pinocchio as pin
 
 from planners.closed_form import BEYOND_LIMIT, REACHED, solve_all
-from planners.ik_failures import collision, joint_limit, unreachable
+from planners.ik_failures import collision, joint_limit, out_of_reach, unreachable
 from planners.ik_numeric import Attempt, NumericIk, NumericTask, Start, residual_tolerance
 from planners.planar_arm import PlanarArm, read_planar_arm
 from planners.task_forms import fixed_tasks, task_error
-from rfcompass.arrays import FloatArray, IntArray
+from rfcompass.arrays import BoolArray, FloatArray, IntArray
 from rfcompass.robots import CollisionModel, FclCollisions, QuickCollisions, Robot
 from rfcompass.robots.collision_model import homogeneous
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasp_task import GraspTask, Solution
 from rfcompass.types.grasps import Failure
 from rfcompass.types.record import Record
-from rfcompass.types.world import World
+from rfcompass.types.world import Clearance, World
 
 METHODS = ("auto", "closed_form", "nlp")
 
@@ -35,6 +35,8 @@ METHODS = ("auto", "closed_form", "nlp")
 _AT_LIMIT = 1e-6
 # Starts of the search for an answer beyond the limits, which only explains a failure.
 _FREE_STARTS = 4
+# The roll, the last joint of a closed form's arm, turned by half a turn.
+_HALF_TURN = np.array([0.0, 0.0, 0.0, 0.0, np.pi])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,6 +50,8 @@ class IkRules(Record):
         soft_limits: Keep the limits of the safety controller, where the URDF has them.
         starts: Starts of the optimisation.
         certify: Let fcl check the answer.
+        explain: Look for the nearest pose where the closed form finds a task out of reach: milliseconds that a planner
+            with many candidates may want to save.
         method: `"auto"`, `"closed_form"` (nothing else) or `"nlp"` (the optimisation, where a closed form exists too).
     """
 
@@ -57,6 +61,7 @@ class IkRules(Record):
     soft_limits: bool = True
     starts: int = 32
     certify: bool = True
+    explain: bool = True
     method: str = "auto"
 
     def __post_init__(self) -> None:
@@ -108,6 +113,11 @@ class InverseKinematics:
         """The collision checker, for whoever goes on planning with the answer."""
         return self._quick
 
+    @property
+    def has_closed_form(self) -> bool:
+        """True if the arm is solved in closed form while its base stands."""
+        return self._arm is not None and self.rules.method != "nlp"
+
     @cached_property
     def _certifier(self) -> FclCollisions:
         return FclCollisions(self._model)
@@ -147,7 +157,31 @@ class InverseKinematics:
             raise ValueError(f"the arm of {self.robot.name} has no closed form here")
         present = self.robot.configuration(None if start is None else start.joints)
         q, status, *_ = self._solve_all(self._arm, task, present)
-        return self._ordered(q[status == REACHED], present)
+        return self._ordered(self._arm, task, q[status == REACHED], present)
+
+    def does(self, task: GraspTask, configuration: Configuration) -> bool:
+        """True if a configuration does a task within the tolerances, whatever it touches."""
+        position_m, angle_rad = task_error(task, self._tool_pose(configuration), self.robot.tool)
+        return position_m <= self.rules.position_m and angle_rad <= self.rules.angle_rad
+
+    def blocked_by(self, task: GraspTask, nearest: Clearance) -> Failure:
+        """The failure of a task, or of a motion from it, that a pair of things prevents."""
+        return collision(task, nearest, self.rules.clearance_m, self.robot.kinematics.link_names)
+
+    def within_limits(self, tasks: FloatArray, start: Configuration) -> BoolArray:
+        """Which of many tasks the closed form reaches, touching or not, shape (B,).
+
+        Args:
+            tasks: Tool position [m], approach and closing axis (NaN if free), shape (B, 9).
+            start: Present joints.
+
+        Raises:
+            ValueError: If the arm has no closed form.
+        """
+        if self._arm is None:
+            raise ValueError(f"the arm of {self.robot.name} has no closed form here")
+        _, status, *_ = solve_all(self._arm, np.ascontiguousarray(tasks), start.joints[self._columns], True)
+        return np.asarray((status == REACHED).any(axis=1))
 
     def _solve_all(
         self, arm: PlanarArm, task: GraspTask, present: Configuration
@@ -155,8 +189,14 @@ class InverseKinematics:
         near = present.joints[self._columns]
         return solve_all(arm, fixed_tasks(arm, task), near, task.jaws_alike)
 
-    def _ordered(self, arms: FloatArray, present: Configuration) -> list[Configuration]:
-        """Arm joints (B, 5) as configurations, nearest first."""
+    def _ordered(
+        self, arm: PlanarArm, task: GraspTask, arms: FloatArray, present: Configuration
+    ) -> list[Configuration]:
+        """Arm joints (B, 5) as configurations, nearest first; those with the jaws the other way round too."""
+        if task.jaws_alike:
+            turned = np.concatenate([arms + _HALF_TURN, arms - _HALF_TURN])
+            inside = ((turned >= arm.lower) & (turned <= arm.upper)).all(axis=1)
+            arms = np.concatenate([arms, turned[inside]])
         order = np.argsort(np.abs(arms - present.joints[self._columns]).sum(axis=1), kind="stable")
         return [self._with_arm(arm, present) for arm in arms[order]]
 
@@ -167,17 +207,29 @@ class InverseKinematics:
 
     def _in_closed_form(self, arm: PlanarArm, task: GraspTask, present: Configuration) -> Solution | Failure:
         q, status, joint, beyond = self._solve_all(arm, task, present)
-        found = self._ordered(q[status == REACHED], present)
+        found = self._ordered(arm, task, q[status == REACHED], present)
         for tries, configuration in enumerate(found, start=1):
             if (solution := self._accept(task, configuration, "closed_form", tries)) is not None:
                 return solution
-        if found and (len(found) <= 4 or self.rules.method == "closed_form"):
+        if found and (not _is_family(task) or self.rules.method == "closed_form"):
             return self._all_touch(task, found)
         if (status == BEYOND_LIMIT).any():
             least = np.where(status == BEYOND_LIMIT, beyond, np.inf).argmin()
             name = self.robot.arm_joints[int(joint.flat[least])]
             return joint_limit(task, [(name, float(beyond.flat[least]))])
-        return self._optimise(task, present, base_free=False)
+        if _is_family(task) and self.rules.method == "auto":
+            return self._optimise(task, present, base_free=False)
+        return self._too_far(task, present)
+
+    def _too_far(self, task: GraspTask, present: Configuration) -> Failure:
+        """The failure of a task that the closed form rules out; with the nearest pose, if it is to be explained."""
+        if not self.rules.explain:
+            return out_of_reach(task)
+        problem = NumericTask(self._numeric_ik(base_free=False), task, present)
+        attempts = [(problem.reach(start), start) for start in problem.starts(2)]
+        best, start = min(attempts, key=lambda row: row[0].residual)
+        nearest = min(best, problem.come_near(best, start), key=lambda attempt: attempt.residual)
+        return self._unreachable(task, nearest)
 
     def _optimise(self, task: GraspTask, present: Configuration, base_free: bool) -> Solution | Failure:
         numeric = self._numeric_ik(base_free)
@@ -241,7 +293,7 @@ class InverseKinematics:
         """Name the pair that touches in the answer that touches least."""
         nearest = [self._quick.nearest(configuration) for configuration in configurations]
         least = max((row for row in nearest if row is not None), key=lambda row: row.distance_m)
-        return collision(task, least, self.rules.clearance_m, self.robot.kinematics.link_names)
+        return self.blocked_by(task, least)
 
     def _out_of_reach(self, problem: NumericTask, best: Attempt, tolerance: float) -> Failure:
         """Tell a limit of one joint from a task that no joint values do."""
@@ -252,5 +304,13 @@ class InverseKinematics:
                 beyond.append(rows)
         if beyond:
             return joint_limit(problem.task, min(beyond, key=lambda rows: rows[0][1]))
-        T = self._tool_pose(best.configuration)
-        return unreachable(problem.task, T, task_error(problem.task, T, self.robot.tool))
+        return self._unreachable(problem.task, best)
+
+    def _unreachable(self, task: GraspTask, nearest: Attempt) -> Failure:
+        T = self._tool_pose(nearest.configuration)
+        return unreachable(task, T, task_error(task, T, self.robot.tool))
+
+
+def _is_family(task: GraspTask) -> bool:
+    """True if a task has more answers than the closed form lists: a pitch or a roll may be anything."""
+    return task.approach is None or task.closing is None or (task.any_heading and task.is_vertical)

@@ -34,6 +34,11 @@ def unreachable(task: GraspTask, nearest: "pin.SE3", error: tuple[float, float])
     return _failure(UNREACHABLE, message, numbers)
 
 
+def out_of_reach(task: GraspTask) -> Failure:
+    """The same, without looking for the nearest pose."""
+    return _failure(UNREACHABLE, f"the arm cannot hold its tool at {_point(task)} as asked", {})
+
+
 def joint_limit(task: GraspTask, beyond: Sequence[tuple[str, float]]) -> Failure:
     """Only joint values outside their limits do the task.
 

@@ -206,6 +206,12 @@ def test_out_of_reach_comes_with_the_nearest_pose(method):
     assert np.hypot(numbers["position_error_m"], 0.2 * numbers["angle_error_rad"]) < np.hypot(off[0], 0.2 * off[1])
 
 
+def test_a_failure_need_not_be_explained():
+    task = GraspTask([0.9, 0.0, 0.245], [1.0, 0, 0], [0, 1.0, 0])
+    answer = solver(explain=False).solve(task, SCAN)
+    assert (answer.kind, answer.numbers) == ("unreachable", ())
+
+
 def test_no_task_out_of_reach_is_ever_solved():
     rng, ik = np.random.default_rng(25), solver(starts=2)
     for _ in range(150):
