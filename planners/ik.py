@@ -276,7 +276,8 @@ class InverseKinematics:
         if self.rules.certify and self._certifier.collides(configuration):
             return None
         at_limit = self._at_limit(configuration)
-        return Solution(configuration, method, position_m, angle_rad, at_limit, nearest, tries)
+        certified = self._certifier.pair_count if self.rules.certify else None
+        return Solution(configuration, method, position_m, angle_rad, at_limit, nearest, tries, certified)
 
     def _tool_pose(self, configuration: Configuration) -> "pin.SE3":
         """Pose of the tool in the present base frame."""

@@ -13,6 +13,9 @@ from rfcompass.robots.solids import Solid
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.world import FLOOR, WORLD, Clearance
 
+# With coal's defaults one touch in 50 000 configurations was missed, 0.1 mm deep: without contacts it stops early.
+_GJK_TOLERANCE = 1e-8
+
 
 class QuickCollisions:
     """Booleans and signed distances at many configurations. Not to be shared among threads.
@@ -34,6 +37,8 @@ class QuickCollisions:
         self._names = [self._add(solid) for solid in model.solids]
         self._add_pairs()
         self._data, self._geometry_data = self._pin.createData(), pin.GeometryData(self._geometry)
+        for request in self._geometry_data.collisionRequests:
+            request.enable_contact, request.gjk_tolerance = True, _GJK_TOLERANCE
         self._broad = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
             self._pin, self._geometry, self._geometry_data
         )

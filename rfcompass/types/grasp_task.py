@@ -81,7 +81,8 @@ class Solution(Record):
         angle_error_rad: Largest angle between an axis of the tool and the task's [rad], by pinocchio.
         at_limit: Joints that stand at one of their limits.
         clearance: Nearest pair that must not touch; None where nothing can touch.
-        tries: Starts that were needed.
+        tries: Starts, or branches, that were needed.
+        certified_pairs: Pairs of solids that fcl found apart; None if it was not asked.
     """
 
     configuration: Configuration
@@ -91,3 +92,4 @@ class Solution(Record):
     at_limit: tuple[str, ...] = ()
     clearance: Clearance | None = None
     tries: int = 1
+    certified_pairs: int | None = None

@@ -49,6 +49,7 @@ def check(task, solution, world=None, robot=ROBOT):
             assert sign * (got @ wanted) > 0
     robot.check_limits(configuration, soft=True)
     assert not FclCollisions(CollisionModel(robot, world or World())).collides(configuration)
+    assert solution.certified_pairs > 50
     assert solution.position_error_m < 1e-6
     assert solution.angle_error_rad < 1e-6
 
@@ -145,6 +146,25 @@ def test_a_far_part_is_driven_to():
     assert isinstance(answer, Solution)
     check(task, answer)
     assert 1.5 < np.hypot(*answer.configuration.base.translation_m) < 2.2
+
+
+def test_a_free_base_solves_what_the_arm_can_do_at_some_distance():
+    """The pitch and the height decide; the closed form, asked at every distance, says which can be done."""
+    rng, ik, solved = np.random.default_rng(26), solver(certify=False), 0
+    arm = InverseKinematics(ROBOT, rules=IkRules(certify=False, explain=False))
+    for _ in range(40):
+        pitch, heading, height = rng.uniform(np.pi / 2, np.pi), rng.uniform(-np.pi, np.pi), rng.uniform(0.03, 0.35)
+        ahead = [
+            GraspTask([x, 0, height], [np.sin(pitch), 0, np.cos(pitch)], [0, 1.0, 0]) for x in np.arange(0.3, 0.7, 0.01)
+        ]
+        possible = any(isinstance(arm.solve(task, SCAN), Solution) for task in ahead)
+        a = [np.sin(pitch) * np.cos(heading), np.sin(pitch) * np.sin(heading), np.cos(pitch)]
+        point = [*rng.uniform(-1.5, 1.5, 2), height]
+        answer = ik.solve(GraspTask(point, a, [-np.sin(heading), np.cos(heading), 0]), SCAN, base_free=True)
+        if possible:
+            assert isinstance(answer, Solution)
+            solved += 1
+    assert solved > 20
 
 
 def test_the_hand_goes_around_the_part():
