@@ -7,12 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from planners.ik_program import DIRECTION_WEIGHT_M, IkProgram, box_parameters
+from planners.ik_program import DIRECTION_WEIGHT_M, IkProgram, box_parameters, recent_program
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.robots import CollisionModel
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasp_task import GraspTask
+from rfcompass.types.world import WORLD
 
 # Ours. How the links' spheres grow from those inside (0) to those that cover them (1), start after start.
 _SIZES = (0.5, 0.0, 1.0)
@@ -75,14 +76,14 @@ class NumericIk:
 
     def __post_init__(self) -> None:
         """Make the program and its bounds."""
-        self.program = IkProgram(self.model, self.base_free)
+        self.program = recent_program(self.model, self.base_free)
         limits = self.model.robot.limits
         lower, upper = (limits.soft_lower, limits.soft_upper) if self.soft else (limits.lower, limits.upper)
         columns = self.program.columns
         drive = np.array([_DRIVE_M, _DRIVE_M, 2 * np.pi][: 3 * self.base_free])
         self.lower = np.concatenate([lower[columns], -drive])
         self.upper = np.concatenate([upper[columns], drive])
-        self.boxes = box_parameters(self.program.standing)
+        self.boxes = box_parameters([solid for solid in self.model.solids if solid.carrier == WORLD])
         low, high = self.lower[: len(columns)], self.upper[: len(columns)]
         low, high = np.maximum(low, np.minimum(high, 0) - 2 * np.pi), np.minimum(high, np.maximum(low, 0) + 2 * np.pi)
         self.draw_bounds = low, high

@@ -15,6 +15,8 @@ links as spheres (`link_spheres`).
 The Gauss-Newton Hessian JᵀJ + μ W needs no second derivatives, and without a task the posture term makes it regular.
 """
 
+import threading
+from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -34,6 +36,9 @@ from rfcompass.types.world import WORLD
 DIRECTION_WEIGHT_M = 0.2
 # Ours: the pull of the reference posture, small beside the task; the task is then met exactly by Newton steps.
 POSTURE = 1e-5
+# Programs that a thread keeps.
+_KEPT = 8
+_LOCAL = threading.local()
 # A box parameter: rotation by columns, position, half edges.
 BOX = 15
 
@@ -249,6 +254,25 @@ def _smallest(rows: Sequence[Any]) -> Any:  # noqa: ANN401
     for row in rows[1:]:
         smallest = ca.fmin(smallest, row)
     return smallest
+
+
+def recent_program(model: CollisionModel, base_free: bool) -> IkProgram:
+    """A program for a model; one that was made for a like world, if this thread made one lately.
+
+    Worlds are alike if the same robot looks at the same pairs among as many standing solids: where these stand and how
+    large they are, are parameters. Making a program takes up to 0.2 s, most of it for the distances.
+    """
+    recent: OrderedDict[tuple[object, ...], IkProgram] = _LOCAL.__dict__.setdefault("recent", OrderedDict())
+    standing = sum(solid.carrier == WORLD for solid in model.solids)
+    links = model.solids[: len(model.solids) - standing]
+    sizes = tuple((solid.carrier, *solid.half_size_m.tolist(), *solid.T_carrier_box.ravel()) for solid in links)
+    key = (id(model.robot), base_free, standing, sizes, model.pairs, model.over_floor)
+    if key not in recent:
+        recent[key] = IkProgram(model, base_free)
+    recent.move_to_end(key)
+    while len(recent) > _KEPT:
+        recent.popitem(last=False)
+    return recent[key]
 
 
 def box_parameters(solids: Sequence[Solid]) -> FloatArray:

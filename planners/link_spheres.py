@@ -38,7 +38,9 @@ class Spheres(Record):
 def cover(solid: Solid) -> Spheres:
     """Fill a solid's bounding box with spheres along its longest edge.
 
-    With n spheres along the longest half edge h1, h1 ≥ h2 ≥ h3: inner = h3, outer² = (h1 / n)² + h2² + h3².
+    With n spheres along the longest half edge h1, h1 ≥ h2 ≥ h3:
+
+        inner = min(h3, h1 / n),  outer² = (h1 / n)² + h2² + h3².
     """
     half_m = solid.half_size_m
     long = int(half_m.argmax())
@@ -48,4 +50,5 @@ def cover(solid: Solid) -> Spheres:
     offsets[:, long] = h1 * (2 * np.arange(count) + 1 - count) / count
     T = solid.T_carrier_box
     outer_m = float(np.sqrt((h1 / count) ** 2 + h2**2 + h3**2))
-    return Spheres(solid.carrier, offsets @ T[:3, :3].T + T[:3, 3], float(h3), outer_m)
+    inner_m = float(min(h3, h1 / count))
+    return Spheres(solid.carrier, offsets @ T[:3, :3].T + T[:3, 3], inner_m, outer_m)
