@@ -245,7 +245,8 @@ class InverseKinematics:
         best, start = attempts[0]
         if best.residual > tolerance:
             nearest = min(best, problem.come_near(best, start), key=lambda attempt: attempt.residual)
-            return self._out_of_reach(problem, nearest, tolerance)
+            solution = self._accept(task, nearest.configuration, nearest.method, self.rules.starts + 1)
+            return solution or self._out_of_reach(problem, nearest, tolerance)
         slow = problem.avoid_slowly(best, start, self.rules.clearance_m)
         solution = self._accept(task, slow.configuration, slow.method, self.rules.starts + 1)
         done = [attempt.configuration for attempt, _ in attempts if attempt.residual <= tolerance]

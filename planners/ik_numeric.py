@@ -159,7 +159,7 @@ class NumericTask:
     def come_near(self, attempt: Attempt, start: Start) -> Attempt:
         """Lower the residual of an attempt that does not reach, with second derivatives."""
         again = start._replace(x=self.ik.x_of(attempt.configuration))
-        return self._solve(self.ik.program.nearest, again, size=0.0)
+        return self._solve(self.ik.program.nearest, again, size=0.0)._replace(method="ipopt")
 
     def reach_beyond_limits(self, start: Start) -> Attempt:
         """Solve as if every joint turned freely."""

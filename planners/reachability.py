@@ -13,7 +13,7 @@ import numpy as np
 from planners.ik import InverseKinematics
 from planners.task_map import TaskMap, ToolDirections
 from rfcompass.arrays import FloatArray
-from rfcompass.robots.always_touching import random_joints
+from rfcompass.robots.touching_links import random_joints
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasp_task import Solution
 from rfcompass.types.volumes import SearchVolume

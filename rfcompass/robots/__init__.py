@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from rfcompass.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from rfcompass.robots.always_touching import always_touching as always_touching
     from rfcompass.robots.checks import RobotReport as RobotReport
     from rfcompass.robots.checks import check_urdf as check_urdf
     from rfcompass.robots.collision_model import CollisionModel as CollisionModel
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from rfcompass.robots.quick_collisions import QuickCollisions as QuickCollisions
     from rfcompass.robots.robot import Robot as Robot
     from rfcompass.robots.tagging import tag_urdf as tag_urdf
+    from rfcompass.robots.touching_links import always_touching as always_touching
     from rfcompass.robots.youbot import YouBot as YouBot
 
 _HOME = {
@@ -39,7 +39,7 @@ _HOME = {
     "RobotReport": "checks",
     "Tool": "description",
     "YouBot": "youbot",
-    "always_touching": "always_touching",
+    "always_touching": "touching_links",
     "check_urdf": "checks",
     "describe_robot": "library",
     "described_robots": "library",

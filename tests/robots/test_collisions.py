@@ -7,11 +7,11 @@ from collision_scenes import ROBOT, at, random_configurations, things
 from rfcompass.errors import RobotModelError, ShapeError
 from rfcompass.geometry import Pose2
 from rfcompass.robots import YouBot, load_robot
-from rfcompass.robots.always_touching import always_touching
 from rfcompass.robots.collision_model import CollisionModel
 from rfcompass.robots.fcl_collisions import FclCollisions
 from rfcompass.robots.packages import extra_folder
 from rfcompass.robots.quick_collisions import QuickCollisions
+from rfcompass.robots.touching_links import always_touching
 from rfcompass.types import Body, Box, Configuration, Sphere, World
 
 CANDLE = ROBOT.posture("candle")
