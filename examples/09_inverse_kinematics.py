@@ -5,7 +5,7 @@ direction that it points in and the direction that the jaws close along, each of
 
 You will see the hand placed around a table leg, lifted with it along a straight line, four tasks that fail and the
 reason of each, where the base must stand for a leg that is 1.5 m away and only roughly known, and get `grasp.html`,
-a page with the robot lifting the leg. Takes 10 s.
+a page with the robot lifting the leg over a map of where it can grasp. Takes 10 s.
 """
 
 import sys
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from planners import IkRules, InverseKinematics, MapMaker, PartGrasp, best_base_pose, move_straight, top_down
+from planners import IkRules, InverseKinematics, MapMaker, PartGrasp, TaskMap, best_base_pose, move_straight, top_down
 from rfcompass import PartDatabase, PartEstimate, Pose2, Robot, YouBot
 from rfcompass.robots import CollisionModel
 from rfcompass.types import Body, GraspTask, SearchVolume, World
@@ -56,9 +56,11 @@ def main(fast: bool = False, out: Path = Path("runs/09_grasp")) -> float:
         failure = around.solve(task, scan)
         print(f"  {failure.kind}: {failure.message}")
 
-    probability = drive(robot, fast)
+    reach = ahead(robot, fast)
+    probability = drive(reach)
 
     scene = RobotScene()
+    scene.draw_reach(reach.reach_map, Pose2())
     ends = [robot.configuration(q) for q in (scan.joints, *lift.reversed_path, *lift.path)]
     scene.draw_robot([robot.visual_shapes(configuration) for configuration in ends], seconds_per_stop=0.2)
     scene.draw_part(leg, pose, leg.tags.points_m[:2])
@@ -69,13 +71,18 @@ def main(fast: bool = False, out: Path = Path("runs/09_grasp")) -> float:
     return probability
 
 
-def drive(robot: Robot, fast: bool) -> float:
-    """Where to drive for a leg 1.5 m away that is known to 3 cm and 10 degrees."""
+def ahead(robot: Robot, fast: bool) -> TaskMap:
+    """Which grasps from above the arm can do in front of the base, at two heights of the tool."""
     spacing_m = 0.04 if fast else 0.02
     quick = InverseKinematics(robot, rules=IkRules(certify=False, explain=False))
-    ahead = SearchVolume([0.24, -0.2, 0.03], [0.56, 0.2, 0.03 + spacing_m])
-    reach = MapMaker(ik=quick, spacing_m=spacing_m).make(ahead, top_down(12), robot.posture("scan"))
+    volume = SearchVolume([0.24, -0.2, 0.03], [0.56, 0.2, 0.03 + spacing_m])
+    reach = MapMaker(ik=quick, spacing_m=spacing_m).make(volume, top_down(12), robot.posture("scan"))
     print(f"a map of {reach.reached.size} grasps from above: the arm can do {reach.reached.mean():.0%}")
+    return reach
+
+
+def drive(reach: TaskMap) -> float:
+    """Where to drive for a leg 1.5 m away that is known to 3 cm and 10 degrees."""
     covariance = np.diag([0.03**2, 0.03**2, np.deg2rad(10) ** 2])
     estimate = PartEstimate("table_leg_3", np.array([1.2, 0.9]), 0.4, "told", 1, covariance=covariance)
     along = [PartGrasp([u, 0.0], np.pi / 2, 0.03) for u in (-0.1, 0.0, 0.1)]
