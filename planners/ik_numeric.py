@@ -64,11 +64,13 @@ class NumericIk:
         model: Robot and world.
         base_free: The base may drive.
         soft: Keep the narrower limits of the safety controller.
+        manipulability: Weight of the manipulability [m²].
     """
 
     model: CollisionModel
     base_free: bool = False
     soft: bool = True
+    manipulability: float = 0.0
     program: IkProgram = field(init=False, repr=False)
     lower: FloatArray = field(init=False, repr=False)
     upper: FloatArray = field(init=False, repr=False)
@@ -76,7 +78,7 @@ class NumericIk:
 
     def __post_init__(self) -> None:
         """Make the program and its bounds."""
-        self.program = recent_program(self.model, self.base_free)
+        self.program = recent_program(self.model, self.base_free, self.manipulability)
         limits = self.model.robot.limits
         lower, upper = (limits.soft_lower, limits.soft_upper) if self.soft else (limits.lower, limits.upper)
         columns = self.program.columns

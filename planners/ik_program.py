@@ -1,6 +1,6 @@
 """The optimisation behind the numerical inverse kinematics, for any arm, with the base free if asked for.
 
-    minimise over x    ½ |r(x)|² + ½ μ Σ_i w_i (x_i - x_i,ref)²
+    minimise over x    ½ |r(x)|² + ½ μ Σ_i w_i (x_i - x_i,ref)² + ½ μ_m m(x)²
     subject to         lower <= x <= upper,    h(x) >= clearance
 
 x are the joints between base and tool, then x, y, θ of the base if it may drive. The residual r holds what the task
@@ -11,6 +11,9 @@ asks for [m], directions times `DIRECTION_WEIGHT_M`:
 each with a weight of 0 or 1; the last one, for tasks with any heading, replaces the two before. h holds the distance of
 each moving link from the nearest of the floor, the boxes (the standing links, the world), and the other links, all
 links as spheres (`link_spheres`).
+
+The manipulability w = √det(J_p J_pᵀ) of the tool's position [Yoshikawa1985] enters as m = 1 / (1 + w / w0), which is
+one where the arm is singular; w0 is its mean over random postures. μ_m is zero unless asked for.
 
 The Gauss-Newton Hessian JᵀJ + μ W needs no second derivatives, and without a task the posture term makes it regular.
 """
@@ -30,6 +33,7 @@ from planners.symbolic_fk import Pose, SymbolicKinematics, planar
 from rfcompass.arrays import FloatArray
 from rfcompass.robots import CollisionModel, Robot
 from rfcompass.robots.solids import Solid
+from rfcompass.robots.touching_links import random_joints
 from rfcompass.types.world import WORLD
 
 # Ours: a turn of 1 rad weighs as much as 0.2 m, about half the reach of a small arm.
@@ -61,10 +65,12 @@ class IkProgram:
     Args:
         model: Robot and world; only the number of the world's standing solids and whether there is a floor matter.
         base_free: The base may drive.
+        manipulability: Weight μ_m of the manipulability term [m²].
     """
 
     model: CollisionModel
     base_free: bool
+    manipulability: float = 0.0
     x: Any = field(init=False, repr=False)
     p: Any = field(init=False, repr=False)
 
@@ -136,7 +142,7 @@ class IkProgram:
         return ca.nlpsol("nearest", "ipopt", program, _IPOPT)
 
     def _sqp(self, program: dict[str, Any]) -> Any:  # noqa: ANN401
-        J = ca.jacobian(self._residual, self.x)
+        J = ca.jacobian(ca.vertcat(self._residual, self._dexterity), self.x)
         H = ca.densify(J.T @ J + ca.diag(POSTURE * self._parts["pull"]))
         rows = program["g"].numel() if "g" in program else 0
         scale, multipliers = ca.SX.sym("scale"), ca.SX.sym("multipliers", rows)
@@ -147,7 +153,32 @@ class IkProgram:
     def _objective(self) -> Any:  # noqa: ANN401
         away = self.x - self._parts["reference"]
         posture = ca.dot(self._parts["pull"], away**2)
-        return 0.5 * ca.sumsqr(self._residual) + 0.5 * POSTURE * posture
+        return 0.5 * (ca.sumsqr(self._residual) + ca.sumsqr(self._dexterity) + POSTURE * posture)
+
+    @cached_property
+    def _dexterity(self) -> Any:  # noqa: ANN401
+        """√μ_m m(x); nothing without a weight."""
+        if self.manipulability == 0.0:
+            return ca.SX(0, 1)
+        draws = random_joints(self.robot, np.random.default_rng(0), 100)[:, self.columns]
+        w0 = np.mean([float(self.dexterity(draw)) for draw in draws])
+        return np.sqrt(self.manipulability) / (1 + self._measure(self.x[: len(self.columns)]) / w0)
+
+    @cached_property
+    def dexterity(self) -> Any:  # noqa: ANN401
+        """Function of the arm's joints -> w, the manipulability of the tool's position."""
+        arm = ca.SX.sym("arm", len(self.columns))
+        return ca.Function("dexterity", [arm], [self._measure(arm)])
+
+    def _measure(self, arm: Any) -> Any:  # noqa: ANN401
+        joints = ca.SX.zeros(len(self.robot.joint_names))
+        turned = ca.SX.sym("turned", len(self.columns))
+        for i, column in enumerate(self.columns):
+            joints[column] = turned[i]
+        position = SymbolicKinematics(self.robot, joints).pose(self.robot.tool.frame).p
+        J = ca.jacobian(position, turned)
+        w = ca.sqrt(ca.fmax(ca.det(J @ J.T), 1e-24))
+        return ca.substitute(w, turned, arm)
 
     @cached_property
     def _kinematics(self) -> SymbolicKinematics:
@@ -256,7 +287,7 @@ def _smallest(rows: Sequence[Any]) -> Any:  # noqa: ANN401
     return smallest
 
 
-def recent_program(model: CollisionModel, base_free: bool) -> IkProgram:
+def recent_program(model: CollisionModel, base_free: bool, manipulability: float = 0.0) -> IkProgram:
     """A program for a model; one that was made for a like world, if this thread made one lately.
 
     Worlds are alike if the same robot looks at the same pairs among as many standing solids: where these stand and how
@@ -266,9 +297,9 @@ def recent_program(model: CollisionModel, base_free: bool) -> IkProgram:
     standing = sum(solid.carrier == WORLD for solid in model.solids)
     links = model.solids[: len(model.solids) - standing]
     sizes = tuple((solid.carrier, *solid.half_size_m.tolist(), *solid.T_carrier_box.ravel()) for solid in links)
-    key = (id(model.robot), base_free, standing, sizes, model.pairs, model.over_floor)
+    key = (id(model.robot), base_free, manipulability, standing, sizes, model.pairs, model.over_floor)
     if key not in recent:
-        recent[key] = IkProgram(model, base_free)
+        recent[key] = IkProgram(model, base_free, manipulability)
     recent.move_to_end(key)
     while len(recent) > _KEPT:
         recent.popitem(last=False)

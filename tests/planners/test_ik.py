@@ -280,7 +280,15 @@ def test_limits_that_are_reached_are_reported():
 
 
 @pytest.mark.parametrize(
-    "change", [{"clearance_m": -1.0}, {"clearance_m": np.nan}, {"method": "magic"}, {"starts": 0}, {"position_m": 0.0}]
+    "change",
+    [
+        {"clearance_m": -1.0},
+        {"clearance_m": np.nan},
+        {"method": "magic"},
+        {"starts": 0},
+        {"position_m": 0.0},
+        {"manipulability": -1.0},
+    ],
 )
 def test_impossible_rules_are_refused(change):
     with pytest.raises(ValueError, match="IkRules"):

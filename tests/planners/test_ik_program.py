@@ -7,6 +7,7 @@ from collision_scenes import ROBOT, at, random_configurations, things
 from hypothesis import given
 from hypothesis import strategies as st
 
+from planners.ik import IkRules, InverseKinematics
 from planners.ik_numeric import NumericIk, NumericTask, newton
 from planners.ik_program import IkProgram, box_parameters, recent_program
 from planners.link_spheres import cover
@@ -128,3 +129,25 @@ def test_a_program_is_used_again_where_only_places_and_sizes_differ():
     assert recent_program(CollisionModel(ROBOT, world(0.4, 0.4), 0.01), False) is not programs[0]
     assert recent_program(CollisionModel(ROBOT, world(0.4, 0.4)), True) is not programs[0]
     assert isinstance(programs[0].plain, ca.Function)
+
+
+def test_the_manipulability_is_that_of_pinocchios_jacobian_and_vanishes_where_the_arm_is_straight():
+    program, frame = IkProgram(MODEL, False), ROBOT.kinematics.frame_id(ROBOT.tool.frame)
+    for configuration in random_configurations(20, seed=43, moves_base=False):
+        J = ROBOT.kinematics.point_jacobians(configuration.joints, [frame])[0][:, :5]
+        expected = np.sqrt(max(0.0, np.linalg.det(J @ J.T)))
+        assert float(program.dexterity(configuration.joints[:5])) == pytest.approx(expected, abs=1e-9)
+    assert float(program.dexterity(ROBOT.posture("candle").joints[:5])) < 1e-4
+
+
+def test_a_weight_on_manipulability_buys_some_where_the_task_leaves_a_choice():
+    """Pitch and roll are free; the present posture does the task with the least manipulability that there is."""
+    dexterity = IkProgram(MODEL, False).dexterity
+    measured = {0.0: [], 1e-3: []}
+    for task in (GraspTask([x, 0.05, z]) for x in (0.35, 0.45, 0.5) for z in (0.25, 0.35, 0.45)):
+        branches = InverseKinematics(ROBOT).branches(task, SCAN)
+        poor = min(branches, key=lambda branch: float(dexterity(branch.joints[:5])))
+        for weight, found in measured.items():
+            ik = InverseKinematics(ROBOT, rules=IkRules(method="nlp", manipulability=weight, certify=False))
+            found.append(float(dexterity(ik.solve(task, poor).configuration.joints[:5])))
+    assert np.mean(measured[1e-3]) > 1.05 * np.mean(measured[0.0])

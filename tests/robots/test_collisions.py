@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 from collision_scenes import ROBOT, at, random_configurations, things
 
 from rfcompass.errors import RobotModelError, ShapeError
@@ -167,3 +168,41 @@ def test_links_of_a_robot_of_meshes_that_always_touch_are_found_and_both_checker
     rng = np.random.default_rng(6)
     draws = rng.uniform(panda.limits.lower, panda.limits.upper, (40, len(panda.joint_names)))
     agree(CollisionModel(panda, things(), allowed=allowed), [panda.configuration(q) for q in draws])
+
+
+OVERLAPPING = """<robot name="chain">
+<link name="a"><collision><geometry><sphere radius="0.3"/></geometry></collision></link>
+<link name="b"/><link name="c"><collision><geometry><sphere radius="0.3"/></geometry></collision></link>
+<joint name="ab" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+<joint name="bc" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/><origin xyz="0.2 0 0"/>
+<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"""
+
+
+def test_links_that_overlap_everywhere_are_found_and_may_then_touch(tmp_path):
+    (tmp_path / "chain.urdf").write_text(OVERLAPPING)
+    chain = load_robot(tmp_path / "chain.urdf")
+    assert always_touching(chain) == (("a", "c"),)
+    for allowed, hit in (((), True), (always_touching(chain), False)):
+        for checker in both(World(floor_m=None), chain, allowed=allowed):
+            assert checker.collides(chain.configuration()) == hit
+
+
+def test_a_collision_mesh_that_is_missing_is_named(tmp_path):
+    text = OVERLAPPING.replace('<sphere radius="0.3"/>', '<mesh filename="lost.stl"/>', 1)
+    (tmp_path / "chain.urdf").write_text(text)
+    with pytest.raises(RobotModelError, match=r"link 'a'.*lost\.stl"):
+        CollisionModel(load_robot(tmp_path / "chain.urdf"))
+
+
+def test_a_collision_mesh_is_its_hull(tmp_path):
+    trimesh.creation.box((0.2, 0.4, 0.6)).export(tmp_path / "block.stl")
+    text = OVERLAPPING.replace('<sphere radius="0.3"/>', '<mesh filename="block.stl" scale="1 1 0.5"/>', 1)
+    (tmp_path / "chain.urdf").write_text(text)
+    model = CollisionModel(load_robot(tmp_path / "chain.urdf"))
+    assert model.solids[0].half_size_m == pytest.approx([0.1, 0.2, 0.15])
+    empty = OVERLAPPING.replace('<sphere radius="0.3"/>', '<mesh filename="bad.stl"/>', 1)
+    (tmp_path / "bad.stl").write_text("solid nothing\nendsolid nothing\n")
+    (tmp_path / "chain.urdf").write_text(empty)
+    with pytest.raises(RobotModelError, match=r"bad\.stl"):
+        CollisionModel(load_robot(tmp_path / "chain.urdf"))
