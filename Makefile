@@ -30,10 +30,12 @@ check: $(VENV)/.test
 bench: $(VENV)/.test  ## our timings beside the peers'
 	$(BIN)/rfcompass bench
 
-results: $(VENV)/.test  ## the README's table; needs RFCOMPASS_MEASURED_DATA
+RESULTS := measured-survey measured-proximity wrong-comparisons tag-polarisation resolution accuracy fetches fusebot-localisation
+
+results: $(VENV)/.test  ## the README's tables, in three hours; needs RFCOMPASS_MEASURED_DATA
 	rm -rf runs/results && mkdir -p runs/results
-	$(BIN)/rfcompass study run measured-survey --workers 2 --out runs/results/measured-survey
-	$(BIN)/rfcompass study run measured-proximity --workers 2 --out runs/results/measured-proximity
+	set -e; for name in $(RESULTS); do \
+	    OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/rfcompass study run $$name --workers 2 --out runs/results/$$name; done
 	OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/rfcompass bench --json > runs/results/bench.json
 	$(BIN)/python docs/write_results.py runs/results
 

@@ -1,14 +1,17 @@
 """Rewrite the results of the README from study runs and a benchmark: `make results`.
 
-Usage: python docs/write_results.py RUNS. Reads RUNS/measured-survey, RUNS/measured-proximity and RUNS/bench.json. The
-full tables, with every interval and what differs, are the reports in the run folders.
+Usage: python docs/write_results.py RUNS. Reads a run folder of each study that it shows, and RUNS/bench.json. The full
+tables, with every interval and what differs, are the reports in the run folders.
 """
 
 import json
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from rfcompass.studies.folder import read_rows
+from rfcompass.studies.fusebot import boxes_against_errors
 from rfcompass.studies.registry import study
 from rfcompass.studies.summary import summarise
 
@@ -16,65 +19,192 @@ README = Path(__file__).resolve().parent.parent / "README.md"
 BEGIN, END = "<!-- results -->", "<!-- /results -->"
 
 
-def cells(runs, name, factor):
-    """Text of each summary by (family, value of the factor, metric, summary): ours (interval), other's."""
-    chosen, found = study(name), {}
-    for row in summarise(chosen, read_rows(runs / name, chosen)):
-        metric = chosen.metric(row.metric)
-        if row.value is None:
-            continue
-        text = f"{metric.shown(row.value)}"
-        if row.interval is not None:
+class Results:
+    """Summaries of one study's run, as text: ours (95 % interval); the other figure, if there is one."""
+
+    def __init__(self, runs, name):
+        self.study = study(name)
+        self.rows = read_rows(runs / name, self.study)
+        self.found = {(*row.cell.values(), row.metric, row.summary): row for row in summarise(self.study, self.rows)}
+
+    def trials(self, *cell):
+        """Number of trials of a cell."""
+        return next(row.trials for key, row in self.found.items() if key[: len(cell)] == cell)
+
+    def samples(self, *key):
+        """Number of values behind a summary."""
+        return self.found[key].n
+
+    def text(self, *key, interval=True):
+        """One summary, by the values of all factors, the metric and what is reported of it."""
+        row = self.found.get(key)
+        if row is None or row.value is None:
+            return "–"
+        metric = self.study.metric(row.metric)
+        text = metric.shown(row.value)
+        if interval and row.interval is not None:
             text += f" ({metric.shown(row.interval.low)} … {metric.shown(row.interval.high)})"
-        if row.paper is not None:
-            text += f"; {metric.shown(row.paper.value)}"
-        found[row.cell["family"], row.cell[factor], row.metric, row.summary] = (text, row.n)
-    return found
+        return text + (f"; {metric.shown(row.paper.value)}" if row.paper is not None else "")
+
+    def pair(self, *cell_and_metric):
+        """Median / 90 % quantile, without intervals."""
+        return " / ".join(self.text(*cell_and_metric, s, interval=False) for s in ("median", "p90"))
+
+
+def table(head, *lines):
+    """Markdown of a table; `head` may mark a column as a number with a trailing colon."""
+    rule = ["---:" if cell.endswith(":") else "---" for cell in head]
+    return "\n".join("| " + " | ".join(line) + " |" for line in ([c.rstrip(":") for c in head], rule, *lines))
 
 
 def survey_table(runs):
     """One line for each set and method."""
-    found = cells(runs, "measured-survey", "method")
-    yield "| measured sweeps | method | along the path, median cm: ours; pilot | in the plane, median cm: ours; pilot | pairs in order, %: ours; pilot |"
-    yield "|---|---|---|---|---|"
-    for family, method in dict.fromkeys((key[0], key[1]) for key in found):
-        row = [found.get((family, method, *what)) for what in
-               (("x_error_m", "median"), ("plane_error_m", "median"), ("x_order", "share"))]
-        yield f"| {family}, {row[0][1]} tags | {method} | " + " | ".join("–" if c is None else c[0] for c in row) + " |"
+    got = Results(runs, "measured-survey")
+    columns = (("x_error_m", "median"), ("plane_error_m", "median"), ("x_order", "share"))
+    lines = [
+        [f"{family}, {got.trials(family, method)} tags", method, *(got.text(family, method, *what) for what in columns)]
+        for family, method in dict.fromkeys(key[:2] for key in got.found)
+    ]
+    units = ("along the path, median cm: ours; pilot", "in the plane, median cm: ours; pilot", "pairs in order, %: ours; pilot")
+    return table(("measured sweeps", "method", *units), *lines)
 
 
 def proximity_table(runs):
     """One line for each set."""
-    found = cells(runs, "measured-proximity", "meter")
-    meters = ("auto", "phase_l1", "phase_dtw", "pinit_dtw")
-    yield "| measured sweeps | " + " | ".join(f"`{meter}`, %: ours; pilot" for meter in meters) + " | `auto`, gaps of 20 cm and more, % |"
-    yield "|---|" + "---|" * (len(meters) + 1)
-    for family in dict.fromkeys(key[0] for key in found):
-        row = [found[family, meter, "correct", "share"][0] for meter in meters]
-        far, n = found[family, "auto", "correct_far", "share"][0], found[family, "auto", "correct", "share"][1]
-        yield f"| {family}, {n} questions | " + " | ".join([*row, far]) + " |"
+    got, meters = Results(runs, "measured-proximity"), ("auto", "phase_l1", "phase_dtw", "pinit_dtw")
+    lines = [
+        [f"{family}, {got.samples(family, 'auto', 'correct', 'share')} questions",
+         *(got.text(family, meter, "correct", "share") for meter in meters),
+         got.text(family, "auto", "correct_far", "share")]
+        for family in dict.fromkeys(key[0] for key in got.found)
+    ]  # fmt: skip
+    heads = [f"`{meter}`, %: ours; pilot" for meter in meters]
+    return table(("measured sweeps", *heads, "`auto`, gaps of 20 cm and more, %"), *lines)
+
+
+def comparisons_table(runs):
+    """One line for each meter; a column for each sight and number of tracks."""
+    got = Results(runs, "wrong-comparisons")
+    places = dict.fromkeys(key[:2] for key in got.found)
+    lines = [
+        [f"`{meter}`", *(got.text(*place, meter, "wrong_00", "share", interval=False) for place in places),
+         got.text("in sight", "two at right angles", meter, "wrong_10", "share", interval=False)]
+        for meter in dict.fromkeys(key[2] for key in got.found)
+    ]  # fmt: skip
+    return table(("simulated", *(", ".join(place) + ":" for place in places), "in sight, two tracks, ε = 0.1:"), *lines)
+
+
+def polarisation_table(runs):
+    """One line for each kind of tag; wrong comparisons, and error of the images."""
+    got = Results(runs, "tag-polarisation")
+    tags, readers = (list(dict.fromkeys(key[i] for key in got.found)) for i in (0, 1))
+    lines = [
+        [tag, *(f"{got.text(tag, reader, 'wrong', 'share', interval=False)} · "
+                f"{got.text(tag, reader, 'tag_error_m', 'median', interval=False)}" for reader in readers)]
+        for tag in tags
+    ]  # fmt: skip
+    return table(("simulated; wrong % · error cm", *(f"{reader}:" for reader in readers)), *lines)
+
+
+def fetches_table(runs):
+    """One line for each sight, way and number of tags."""
+    got = Results(runs, "fetches")
+    columns = (("answered", "share"), ("found", "share"), ("centre_error_m", "median"), ("centre_error_m", "p90"),
+               ("theta_error_rad", "median"))  # fmt: skip
+    lines = [
+        [sight, way, str(tags), *(got.text(sight, way, tags, *what) for what in columns)]
+        for sight, way, tags in dict.fromkeys(key[:3] for key in got.found)
+    ]
+    heads = ("answers, %", "within 10 cm, %", "centre, median cm", "p90 cm", "orientation, median °")
+    return table(("simulated", "way", "K", *heads), *lines)
+
+
+def fusebot_table(runs):
+    """One line for each sight, band and number of heights."""
+    got = Results(runs, "fusebot-localisation")
+    lines = []
+    for sight, band, heights in dict.fromkeys(key[:3] for key in got.found):
+        cell = {"sight": sight, "band_mhz": band, "heights": heights}
+        box = boxes_against_errors(got.rows, cell, np.random.default_rng(0))
+        lines.append(
+            [sight, f"{band:.0f} MHz", heights, got.text(sight, band, heights, "nearest_m", "median"),
+             got.text(sight, band, heights, "nearest_m", "p90"),
+             f"{box.rank_correlation:.2f} ({box.interval.low:.2f} … {box.interval.high:.2f})"]
+        )  # fmt: skip
+    heads = ("nearest point, median cm: ours; paper", "p90 cm: ours; paper", "rank correlation of box and error")
+    return table(("simulated", "band", "heights", *heads), *lines)
+
+
+def resolution_table(runs):
+    """One line for each share of flips, arm and method."""
+    got, after = Results(runs, "resolution"), (1, 3, 7, 10)
+    lines = []
+    for flips, arm in dict.fromkeys(key[:2] for key in got.found):
+        for method in ("paper", "consistency", "posterior"):
+            cells = [got.pair(flips, arm, f"{method}_centre_{count}_m") for count in after]
+            angle = got.text(flips, arm, f"{method}_theta_7_rad", "median", interval=False)
+            lines.append([f"{100 * flips:.0f} %", arm, method, *cells, angle])
+    heads = [f"{count} stop{'s' if count > 1 else ''}:" for count in after]
+    return table(("flipped", "layout, moves", "method", *heads, "θ, 7 stops, °:"), *lines)
+
+
+def accuracy_table(runs):
+    """One line for each sight, rig, method and number of stops; a column for each number of part tags."""
+    got = Results(runs, "accuracy")
+    lines = []
+    for sight, rig in dict.fromkeys(key[:2] for key in got.found):
+        methods = ("paper",) if rig.startswith("the paper's") else ("posterior", "comparisons", "consistency")
+        for method in methods:
+            for count in (1, 3) if method != "consistency" else (3,):
+                cells = [
+                    f"{got.pair(sight, rig, tags, f'{method}_centre_{count}_m')} · "
+                    f"{got.text(sight, rig, tags, f'{method}_theta_{count}_rad', 'median', interval=False)}"
+                    for tags in (1, 2, 3, 4)
+                ]
+                held = [got.text(sight, rig, tags, f"held_{count}", "share", interval=False) for tags in (1, 2, 3, 4)]
+                lines.append([sight, rig, method, str(count), *cells, ", ".join(held) if method == "posterior" else "–"])
+    heads = ("simulated", "tracks", "method", "stops", "K = 1:", "K = 2:", "K = 3:", "K = 4:", "region holds, %, K = 1…4")
+    return table(heads, *lines)
 
 
 def bench_table(runs):
     """One line for each timing."""
-    yield "| computed on one thread | ours | peer | ratio |"
-    yield "|---|---:|---|---:|"
-    for t in json.loads((runs / "bench.json").read_text(encoding="utf-8"))["timings"]:
-        yield f"| {t['name']} | {1e3 * t['ours_s']:,.2f} ms | {t['peer']}: {1e3 * t['peer_s']:,.1f} ms | {t['ratio']:.0f} |"
+    timings = json.loads((runs / "bench.json").read_text(encoding="utf-8"))["timings"]
+    lines = [
+        [t["name"], f"{1e3 * t['ours_s']:,.2f} ms", f"{t['peer']}: {1e3 * t['peer_s']:,.1f} ms", f"{t['ratio']:.0f}"]
+        for t in timings
+    ]
+    return table(("computed on one thread", "ours:", "peer", "ratio:"), *lines)
+
+
+SECTIONS = (
+    ("**Where are the tags?** `measured-survey`: ours (95 % interval); our own unpublished pilot study on all public\n"
+     "sweeps of the set, with one channel for `hyperbolic`.", survey_table),
+    ("**Which of two tags is nearer?** `measured-proximity`: share of right answers (95 % interval); the pilot study.\n"
+     "`pinit_dtw` is the papers' reading, literally; 50 % is a coin.", proximity_table),
+    ("**The same question by simulated radio.** `wrong-comparisons`: share of wrong answers in %, 40 rooms; our own pilot\n"
+     "study on a kinder channel, where it has a figure (the papers print none). \"No walls\" is free space but for the robot\n"
+     "itself.",
+     comparisons_table),
+    ("**Which tag for a lying leg, and which antenna?** `tag-polarisation`: near-field images over two tracks.",
+     polarisation_table),
+    ("**How fine do comparisons cut the plane?** `resolution`, simulated without a radio, six robot tags, K = 2: centre,\n"
+     "median / 90 % quantile in cm. RF-Compass prints about 4 cm after one stop (Fig. 7), and 0.96 / 2.5 cm and 3.1° with\n"
+     "10 % of the comparisons flipped (Fig. 8), without the number of moves.", resolution_table),
+    ("**The part, hand over it, by simulated radio.** `accuracy`: centre median / 90 % in cm · θ median in °; the paper's\n"
+     "figures (Fig. 12, 13, measured): K = 1 4.03, K = 2 2.76 · 5.77, K = 4 1.28 · 3.3. The last column says how often the\n"
+     "posterior's 90 % region held the pose.", accuracy_table),
+    ("**A whole fetch by radio, far tracks only.** `fetches`: ours (95 % interval); the paper's measured medians (in sight).\n"
+     "The paper's rig and estimator, end to end, rarely answer on this channel; `best` is ours.", fetches_table),
+    ("**Tags from the wrist.** `fusebot-localisation`: ours (95 % interval); FuseBot's Table 5, both sights together, on a\n"
+     "real robot. A rank correlation of 1 would mean that a larger box always has the larger error.", fusebot_table),
+    ("**How fast?** `rfcompass bench`, ours and the peer's in one run.", bench_table),
+)  # fmt: skip
 
 
 def main(runs):
     """Replace what stands between the two markers."""
-    parts = [
-        "**Where are the tags?** `rfcompass study run measured-survey`: ours (95 % interval); our own unpublished pilot\n"
-        "study on all public sweeps of the set, with one channel for `hyperbolic`.",
-        "\n".join(survey_table(runs)),
-        "**Which of two tags is nearer?** `rfcompass study run measured-proximity`: share of right answers (95 % interval);\n"
-        "the pilot study. `pinit_dtw` is the papers' reading, literally; 50 % is a coin.",
-        "\n".join(proximity_table(runs)),
-        "**How fast?** `rfcompass bench`, ours and the peer's in one run.",
-        "\n".join(bench_table(runs)),
-    ]
+    parts = [f"{text}\n\n{make(runs)}" for text, make in SECTIONS]
     text = README.read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
     README.write_text(before + BEGIN + "\n\n" + "\n\n".join(parts) + "\n\n" + END + after, encoding="utf-8")

@@ -69,7 +69,7 @@ def draw(found: LocatedTags, track: AntennaTrack) -> Figure:
             axes.annotate(ITEMS[EPCS.index(epc)], (x, y), xytext=(6, 6), textcoords="offset points")
         axes.set(xlabel=f"{'xyz'[a]} [m]", ylabel=f"{'xyz'[b]} [m]", aspect="equal")
     figure.axes[0].set_title("Size of each box; blue: confident, red: not", loc="left")
-    figure.axes[0].legend(loc="upper right")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 

@@ -137,6 +137,10 @@ class OutOfReach(NoAnswer):
     """The arm cannot go there; carries the target and the smallest `miss_m` found."""
 
 
+class NoRoomForTags(NoAnswer):
+    """There are not as many places for tags as asked for; carries how many were `placed`."""
+
+
 class MissingExtra(InputError):
     """An optional dependency is not installed; carries the `extra` that brings it."""
 

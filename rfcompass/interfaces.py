@@ -13,6 +13,7 @@ from typing import Protocol, runtime_checkable
 
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry.pose2 import Pose2
+from rfcompass.types.configuration import Configuration
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.grasps import GraspOutcome
@@ -20,6 +21,7 @@ from rfcompass.types.observation import Observation
 from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, VoxelGrid
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
+from rfcompass.types.stops import ProposedStop
 from rfcompass.types.volumes import SearchVolume
 
 
@@ -123,8 +125,8 @@ class MobileManipulator(Protocol):
 class StopProposer(Protocol):
     """Offers the stops a robot can take next: reachable, free of collision, with their cost."""
 
-    def candidates(self, configuration: FloatArray) -> Sequence[tuple[FloatArray, float]]:
-        """List configurations (model order) and the time each takes to get to [s]."""
+    def candidates(self, configuration: Configuration) -> Sequence[ProposedStop]:
+        """List stops, in the frame of the configuration's base."""
         ...
 
 

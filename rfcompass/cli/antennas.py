@@ -23,7 +23,7 @@ class PhaseModulus(StrEnum):
 
 PositionOption = Annotated[
     list[str] | None,
-    typer.Option(help="Still antenna, PORT=x,y,z in metres, for example 1=0,0,1.5; may be repeated."),
+    typer.Option(help="Still antenna, PORT=x,y,z in metres, for example 1=0,0,1.5; once for each port in use."),
 ]
 PosesOption = Annotated[Path | None, typer.Option(help="Still antennas: an antenna_poses.csv, one row for each port.")]
 CarrierOption = Annotated[
@@ -54,7 +54,10 @@ def carriage_of(
         still = StillAntennas.read(poses)
         return lambda: still
     if positions:
-        placed = StillAntennas(dict(_position(text) for text in positions))
+        places = [_position(text) for text in positions]
+        placed = StillAntennas(dict(places))
+        if len(placed.positions_m) < len(places):
+            raise InputError("--antenna-position: a port stands twice", value=list(positions))
         return lambda: placed
     return None
 
@@ -75,8 +78,10 @@ def table_hz(text: str | None) -> tuple[float, ...] | None:
     """Frequencies in MHz, separated by commas or in a text file, one for each channel index from 1 [Hz].
 
     Raises:
-        InputError: If one is none, or the file cannot be read.
+        InputError: If one is no UHF carrier in MHz, or the file cannot be read.
     """
+    from rfcompass.recordings.foreign_log import UHF_HZ
+
     if text is None:
         return None
     try:
@@ -84,8 +89,9 @@ def table_hz(text: str | None) -> tuple[float, ...] | None:
         table = tuple(round(float(part) * 1e6) for part in content.replace(",", " ").split())
     except (OSError, ValueError, OverflowError) as cause:
         raise InputError(f"--frequencies: {text!r} is no list of MHz: {cause}", value=text) from cause
-    if not table or min(table) <= 0:
-        raise InputError(f"--frequencies: {text!r} is no list of MHz", value=text)
+    if not table or min(table) < UHF_HZ[0] or max(table) > UHF_HZ[1]:
+        message = f"--frequencies: {text!r} is no list of carriers in MHz between 300 and 3000, such as 902.75,903.25"
+        raise InputError(message, value=text)
     return tuple(float(freq_hz) for freq_hz in table)
 
 

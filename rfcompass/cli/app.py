@@ -10,6 +10,7 @@ from rfcompass.cli.bench import bench
 from rfcompass.cli.calibrate import calibrate
 from rfcompass.cli.fetch import fetch
 from rfcompass.cli.importing import import_recording
+from rfcompass.cli.layout import layout_command
 from rfcompass.cli.locate import locate
 from rfcompass.cli.output import messages
 from rfcompass.cli.partition import partition
@@ -37,6 +38,7 @@ app.command("proximity")(proximity)
 app.command("partition")(partition)
 app.command("record")(record_command)
 app.command("import")(import_recording)
+app.command("layout")(layout_command)
 app.add_typer(parts_app, name="parts")
 app.add_typer(robots_app, name="robots")
 app.add_typer(study_app, name="study")

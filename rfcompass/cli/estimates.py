@@ -4,6 +4,8 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rfcompass.interfaces import Localizer
     from rfcompass.types.estimate import PartEstimate
 
@@ -13,6 +15,9 @@ class Estimator(StrEnum):
 
     PARTITION = "partition"
     CONSISTENCY = "consistency"
+    POSTERIOR = "posterior"
+    NEAREST_TAG = "nearest_tag"
+    SAR = "sar"
 
 
 def localizer(estimator: Estimator, meter_kind: str = "auto") -> "Localizer":
@@ -21,12 +26,25 @@ def localizer(estimator: Estimator, meter_kind: str = "auto") -> "Localizer":
     Raises:
         UnknownMeter: If there is no such meter.
     """
-    from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer
+    from rfcompass.localization import (
+        ConsistencyLocalizer,
+        NearestTagLocalizer,
+        PartitionLocalizer,
+        PosteriorLocalizer,
+        SarLocalizer,
+    )
     from rfcompass.rf import meter
 
+    measured_with = meter(meter_kind)
     if estimator is Estimator.PARTITION:
-        return PartitionLocalizer(centre="centroid", meter=meter(meter_kind))
-    return ConsistencyLocalizer(meter=meter(meter_kind))
+        return PartitionLocalizer(centre="centroid", meter=measured_with)
+    methods: dict[Estimator, Callable[..., Localizer]] = {
+        Estimator.CONSISTENCY: ConsistencyLocalizer,
+        Estimator.POSTERIOR: PosteriorLocalizer,
+        Estimator.NEAREST_TAG: NearestTagLocalizer,
+        Estimator.SAR: SarLocalizer,
+    }
+    return methods[estimator](meter=measured_with)
 
 
 def estimate_json(estimate: "PartEstimate", proximity: str) -> dict[str, Any]:

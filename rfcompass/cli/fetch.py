@@ -33,7 +33,7 @@ def fetch(
     proximity: Annotated[
         str | None, typer.Option(help="Meter, by default the mode's; noisy_distance: no radio, distances with noise.")
     ] = None,
-    scene: Annotated[str, typer.Option(help="Room, by name or scene recipe file.")] = "room_los",
+    scene: Annotated[str | None, typer.Option(help="Room, by name or recipe file; room_los by default.")] = None,
     occluded: Annotated[bool, typer.Option(help="A board before the part, a chair over it: scene room_nlos.")] = False,
     others: Annotated[bool, typer.Option(help="All other tagged parts of its kind lie in the room, too.")] = False,
     robot: Annotated[str, typer.Option(help="Robot that has a posture 'scan', by name or file.")] = "youbot",
@@ -53,6 +53,7 @@ def fetch(
     from rfcompass.studies.fetching import FetchTask
 
     with answering(as_json):
+        _check_radio(mode, proximity, scene, occluded=occluded, others=others)
         target = out or Path("runs") / f"fetch-{part}-{seed}"
         check_target(target, overwrite=overwrite)
         with PartDatabase(database) as parts:
@@ -60,7 +61,7 @@ def fetch(
             near = tuple(other for other in parts.parts() if other.part_id != part and others)
         how = fetch_modes.fetch_mode(
             fetch_modes.Mode(mode), proximity, None if estimator is None else localizer(estimator)
-        ).in_scene(scene="room_nlos" if occluded else scene, others=near)  # fmt: skip
+        ).in_scene(scene="room_nlos" if occluded else scene or "room_los", others=near)  # fmt: skip
         task = FetchTask(
             robot=load_robot(robot), part=wanted, tags=tags, localizer=how.localizer, seed=seed,
             radio=how.radio, meter=how.meter, sigma=sigma,
@@ -83,6 +84,20 @@ def fetch(
             error = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
             answer = _step_json(last.step)
             print_json({**answer, "run": str(target), "stops_made": len(steps), "simulated_error": error})
+
+
+def _check_radio(mode: Mode, proximity: str | None, scene: str | None, *, occluded: bool, others: bool) -> None:
+    """Refuse options of which one would be ignored."""
+    from rfcompass.errors import InputError
+    from rfcompass.studies.fetch_modes import NOISY_DISTANCE
+
+    if occluded and scene is not None:
+        raise InputError(f"--occluded is the scene room_nlos, not {scene}; give one of them", scene=scene)
+    radio = {"--mode paper": mode is Mode.PAPER, "--scene": scene is not None, "--occluded": occluded,
+             "--others": others}  # fmt: skip
+    if proximity == NOISY_DISTANCE and any(radio.values()):
+        given = ", ".join(name for name, asked in radio.items() if asked)
+        raise InputError(f"--proximity {NOISY_DISTANCE} simulates no radio, so that {given} would say nothing")
 
 
 def _run(task: "FetchTask") -> "tuple[SimulatedFetch, list[JudgedStep], NoAnswer | None]":

@@ -66,6 +66,8 @@ def import_recording(
             messages().print(f"dropped: {reason} {count}")
         if carriage is None and told:
             messages().print("where the antennas were is not known: they are put at the origin")
+        if kind == "spool":
+            messages().print(f"{path} is kept; once the trace is as you want it, delete it", markup=False)
         if as_json:
             print_json({"trace": str(target), "reads": trace.quality.reads, "epcs": trace.epcs, **told})
 

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from rfcompass.errors import InputError
 from rfcompass.interfaces import ProximityMeter
+from rfcompass.rf import AutoMeter
 from rfcompass.types.observation import Observation
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import Scan
@@ -14,19 +14,15 @@ def measure_proximities(observation: Observation, meter: ProximityMeter | None =
 
     Args:
         observation: One stop.
-        meter: Measures where the stop brings no proximities.
+        meter: Measures where the stop brings no proximities; `auto` if None.
 
     Raises:
-        InputError: If the stop has no proximities and there is no meter.
         NoAnswer: If the meter has none; the subclass says why.
     """
     if observation.proximity is not None:
         return observation.proximity
-    if meter is None:
-        message = f"stop {observation.stop_id} has no proximities and no meter was given"
-        raise InputError(message, stop_id=observation.stop_id)
     scan = with_known_heights(observation)
-    return meter.measure(scan, targets=observation.part.epcs, anchors=observation.anchors.epcs)
+    return (meter or AutoMeter()).measure(scan, targets=observation.part.epcs, anchors=observation.anchors.epcs)
 
 
 def with_known_heights(observation: Observation) -> Scan:

@@ -20,11 +20,12 @@ from rfcompass.localization.consistency import ConsistencyLocalizer
 from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_solver import Centre
 from rfcompass.localization.pose_fit import PoseFit
+from rfcompass.localization.posterior import PosteriorLocalizer
 from rfcompass.localization.problem import check_bounds
 from rfcompass.types.comparisons import Comparisons
 from rfcompass.types.record import Record
 
-METHODS = ("partition", "consistency")
+METHODS = ("partition", "consistency", "posterior")
 DEFAULT_CENTRE: Centre = "centroid"
 
 
@@ -49,13 +50,14 @@ def answer_partition(document: object, method: str = "partition", centre: Centre
 
     Args:
         document: The parsed JSON.
-        method: `"partition"` or `"consistency"`.
+        method: `"partition"`, `"consistency"` or `"posterior"`.
         centre: Which centre `partition` takes.
 
     Returns:
         What is printed as JSON: `centre_m`, `theta_rad`, `orientation_norm`, `satisfied_relaxed`, `satisfied`,
         `total`, `epsilon`, `region`, `theta_interval_rad`, `gap`, `outliers`, `method`, `centre`; see `PoseFit`.
-        Null stands for what cannot be observed or was not asked.
+        Null stands for what cannot be observed or was not asked. `posterior` adds `probability`, that of the region
+        and of the interval.
 
     Raises:
         InputError: If the document or the method is wrong; names the place.
@@ -64,6 +66,10 @@ def answer_partition(document: object, method: str = "partition", centre: Centre
     if method not in METHODS:
         raise InputError(f"no method {method!r}; one of {', '.join(METHODS)}", method=method)
     problem = read_partition(document)
+    if method == "posterior":
+        posterior = PosteriorLocalizer(bounds_m=problem.bounds_m)
+        answer = _as_json(posterior.fit(problem.stops))
+        return {"method": method, "centre": "mean", "probability": posterior.probability, **answer}
     if method == "consistency":
         fit, centre = ConsistencyLocalizer(bounds_m=problem.bounds_m).fit(problem.stops), "centroid"
     else:

@@ -111,6 +111,23 @@ class PhaseModel:
         inverse = np.linalg.inv(information)
         return np.asarray(inverse @ spread @ inverse)
 
+    def independent_share(self, shape: PathCovariance) -> float:
+        """How many of the N residuals are independent of each other, as a share n / N.
+
+        A run of m positions whose errors have the correlation R is worth m² / ΣR positions in a mean, and a run's
+        channels, which see the same reflections, count as one.
+
+        Args:
+            shape: How errors are correlated along the path.
+        """
+        wavelength_m = float(wavelength(self.trace.frequencies_hz).mean())
+        positions_m = self.trace.antenna_positions_m
+        worth = sum(
+            rows.size**2 / shape.correlation(positions_m[rows], wavelength_m).sum()
+            for rows, _ in self._runs_and_mean_wavenumbers()
+        )
+        return float(worth / sum(stretch.rows.size for stretch in self.stretches))
+
     def _runs_and_mean_wavenumbers(self) -> list[tuple[IntArray, float]]:
         """Positions heard in some channel, and the mean k of those channels, for each run."""
         k = wavenumber(self.trace.frequencies_hz)

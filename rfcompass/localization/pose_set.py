@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from rfcompass.arrays import FloatArray, IntArray
 from rfcompass.geometry.angles import angle_difference
-from rfcompass.localization.pose_kernels import moments, ranges_alive, slices
+from rfcompass.localization.pose_kernels import can_break, moments, ranges_alive, slices
 from rfcompass.localization.problem import PartitionProblem
 from rfcompass.localization.regions import convex_hull
 
@@ -99,14 +100,14 @@ def pose_set(problem: PartitionProblem) -> PoseSet:
     The circle is cut into ranges; a range that a certain bound proves empty is dropped, the others are halved,
     until there are enough. Each is then represented by the exact polygon at its middle.
     """
-    A, b = problem.rows.A, problem.rows.b
-    oriented = problem.unknowns == 4
-    if oriented:
-        theta, width = _theta_ranges(A, b, problem.bounds_m)
+    A, b, bounds_m = problem.rows.A, problem.rows.b, problem.bounds_m
+    if problem.unknowns == 4:
+        ranges = _theta_ranges(A, b, bounds_m)
     else:
-        A, theta, width = np.hstack([A, np.zeros((len(b), 2))]), np.zeros(1), 2.0 * np.pi
-    vertices, counts = slices(A, b, problem.bounds_m, theta)
-    return _collect(vertices, counts, theta, np.full(theta.size, width), oriented)
+        ranges = _Ranges(np.zeros(1), 2.0 * np.pi, np.hstack([A, np.zeros((len(b), 2))]), b, bounds_m)
+    vertices, counts = slices(ranges.A, ranges.b, ranges.bounds_m, ranges.theta_rad)
+    width = np.full(ranges.theta_rad.size, ranges.width_rad)
+    return _collect(vertices, counts, ranges.theta_rad, width, problem.unknowns == 4)
 
 
 def unite(sets: Sequence[PoseSet]) -> PoseSet:
@@ -120,17 +121,33 @@ def unite(sets: Sequence[PoseSet]) -> PoseSet:
     )
 
 
-def _theta_ranges(A: FloatArray, b: FloatArray, bounds_m: FloatArray) -> tuple[FloatArray, float]:
-    """Middles and common width of the ranges of θ that are not proven empty."""
+class _Ranges(NamedTuple):
+    """Ranges of θ that are not proven empty, and what is left of the problem in them."""
+
+    theta_rad: FloatArray  # middles, shape (T,)
+    width_rad: float
+    A: FloatArray
+    b: FloatArray
+    bounds_m: FloatArray
+
+
+def _theta_ranges(A: FloatArray, b: FloatArray, bounds_m: FloatArray) -> _Ranges:
+    """Cut the circle, and leave out the rows that no pose in the ranges and in a rectangle about them breaks."""
     half: float = np.pi / _FIRST_RANGES
     middle = np.linspace(half - np.pi, np.pi - half, _FIRST_RANGES)
     for _ in range(_MAX_HALVINGS):
-        middle = middle[ranges_alive(A, b, bounds_m, middle, half)]
-        if middle.size == 0 or middle.size >= _SLICES:
+        alive, box_m = ranges_alive(A, b, bounds_m, middle, half)
+        middle = middle[alive]
+        if middle.size == 0:
+            break
+        bounds_m = box_m
+        open_rows = can_break(A, b, bounds_m, middle, half)
+        A, b = A[open_rows], b[open_rows]
+        if middle.size >= _SLICES:
             break
         half /= 2.0
         middle = np.concatenate([middle - half, middle + half])
-    return middle, 2.0 * half
+    return _Ranges(middle, 2.0 * half, A, b, bounds_m)
 
 
 def _collect(vertices: FloatArray, counts: IntArray, theta: FloatArray, width: FloatArray, oriented: bool) -> PoseSet:

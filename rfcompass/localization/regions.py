@@ -10,6 +10,7 @@ from rfcompass.errors import SolverFailed
 from rfcompass.geometry.polygons import intersect_half_planes
 from rfcompass.localization import partition_kernels as kernels
 from rfcompass.localization.compared_stop import ComparedStop
+from rfcompass.localization.pose_kernels import lower_chain
 from rfcompass.localization.problem import PartitionProblem, build_partition
 from rfcompass.localization.scaled_rows import scale_rows
 
@@ -124,17 +125,5 @@ def convex_hull(points_m: FloatArray) -> FloatArray:
     points = np.unique(points_m, axis=0)
     if len(points) < 3:
         return points
-    return np.vstack([_lower_chain(points)[:-1], _lower_chain(points[::-1])[:-1]])
-
-
-def _lower_chain(points: FloatArray) -> FloatArray:
-    chain: list[FloatArray] = []
-    for p in points:
-        while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0.0:
-            chain.pop()
-        chain.append(p)
-    return np.array(chain)
-
-
-def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    rising, falling = points, points[::-1]
+    return np.vstack([rising[lower_chain(rising)[:-1]], falling[lower_chain(falling)[:-1]]])

@@ -47,7 +47,8 @@ class StillAntennas(Record):
     """Antennas that do not move: pose 0 for each port.
 
     Attributes:
-        positions_m: Phase centre by port [m], shape (3,) each. A port that is not listed is put at the origin.
+        positions_m: Phase centre by port [m], shape (3,) each. A port that is not listed has no place; if none is
+            listed, nothing is known, and all are put at the origin.
         quaternions_xyzw: Orientation by port, shape (4,) each; the identity if not listed.
     """
 
@@ -64,9 +65,11 @@ class StillAntennas(Record):
         """Take one pose for each port.
 
         Raises:
-            TraceError: If a port has several.
+            TraceError: If a port has several, or there is none.
         """
         ports = poses.antennas.tolist()
+        if not ports:
+            raise TraceError("no antenna has a pose", poses=0)
         for port in ports:
             if ports.count(port) > 1:
                 message = f"antenna {port} has {ports.count(port)} poses; antennas that move need a carrier log"
@@ -85,16 +88,19 @@ class StillAntennas(Record):
         return cls.of(parse_poses(read_text_table(Path(path))))
 
     def pose_ids(self, antennas: IntArray, t_ns: IntArray, known_time: BoolArray) -> IntArray:  # noqa: ARG002
-        """Pose 0, whenever it was."""
-        return np.zeros(antennas.shape, dtype=np.int64)
+        """Pose 0, whenever it was, for the ports that have a place."""
+        if not self.positions_m:
+            return np.zeros(antennas.shape, dtype=np.int64)
+        return np.where(np.isin(antennas, list(self.positions_m)), 0, -1)
 
     def poses(self, pairs: Iterable[tuple[int, int]]) -> AntennaPoses:
         """The pose of each port that is named."""
         known = sorted(set(pairs))
+        positions_m = self.positions_m or {port: np.zeros(3) for _, port in known}
         return AntennaPoses(
             pose_ids=np.array([pose_id for pose_id, _ in known], dtype=np.int64),
             antennas=np.array([port for _, port in known], dtype=np.int64),
-            positions_m=np.array([self.positions_m.get(port, np.zeros(3)) for _, port in known]).reshape(-1, 3),
+            positions_m=np.array([positions_m[port] for _, port in known]).reshape(-1, 3),
             quaternions_xyzw=np.array(
                 [self.quaternions_xyzw.get(port, np.array(_IDENTITY)) for _, port in known]
             ).reshape(-1, 4),

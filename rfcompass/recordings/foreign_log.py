@@ -1,13 +1,14 @@
-"""What importers of other programs' logs share: cut lines, lacking cells, and the way into a trace.
+"""What importers of other programs' logs share: cut lines, lacking cells, impossible values, and the way into a trace.
 
 A line without its line end is one that was being written when the program or the disk stopped. Its last number may be
-cut, and a cut number is a number: such a line is dropped and counted, whatever it looks like.
+cut, and a cut number is a number: such a line is dropped and counted, whatever it looks like. A value that its layout
+cannot hold, such as degrees where radians belong, is an error with its row: the file is not what it is taken for.
 """
 
 import csv
 import gzip
-import io
 import json
+import re
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,12 +22,19 @@ import pyarrow as pa
 from rfcompass.arrays import BoolArray, FloatArray, IntArray
 from rfcompass.errors import ImportFormatError, TraceError
 from rfcompass.recordings.carriage import Carriage, StillAntennas
+from rfcompass.recordings.defects import first_row
 from rfcompass.recordings.text_table import TextTable, as_table
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta
 
 # A phase that a reader reports modulo π in practice; see docs/readers.md.
 READER_META = TraceMeta(frame="antenna", phase_modulus="pi")
+
+# Carriers of the UHF band as the ITU draws it; a number outside is in some other unit.
+UHF_HZ = (300e6, 3e9)
+
+_HEX = re.compile(r"(?:[0-9a-f]{2})+")
+_LAST_PORT = (1 << 16) - 1  # LLRP counts ports from 1 in 16 bits
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _UNREADABLE = (OSError, EOFError, UnicodeDecodeError, zlib.error)
@@ -50,13 +58,17 @@ class ForeignLog:
         """Split lines into cells.
 
         Raises:
-            ImportFormatError: If a row has too many or too few cells; names `row`.
+            ImportFormatError: If a row has too many or too few cells, or an open quote; names `row`.
         """
-        try:
-            cells = list(csv.reader(io.StringIO("\n".join(lines)), strict=True, skipinitialspace=True))
-        except csv.Error as cause:
-            raise ImportFormatError(f"{self.name}: cannot be read: {cause}", file=self.name) from cause
+        cells = [self._cells(row, line) for row, line in enumerate(lines)]
         return as_table(self.name, list(header), cells, ImportFormatError)
+
+    def _cells(self, row: int, line: str) -> list[str]:
+        """Cells of one line; a quote that is still open at its end would otherwise swallow the next ones."""
+        try:
+            return next(csv.reader([line], strict=True, skipinitialspace=True))
+        except csv.Error as cause:
+            raise ImportFormatError(f"{self.name}, row {row}: {cause}", file=self.name, row=row) from cause
 
 
 def read_log(path: str | Path) -> ForeignLog:
@@ -66,16 +78,17 @@ def read_log(path: str | Path) -> ForeignLog:
         ImportFormatError: If it cannot be read or holds no whole line.
     """
     file = Path(path)
+    name = file.name or str(file)
     try:
         content = file.read_bytes()
         text = (gzip.decompress(content) if file.suffix == ".gz" else content).decode("utf-8-sig")
     except _UNREADABLE as cause:
-        raise ImportFormatError(f"{file.name}: cannot be read: {cause}", file=file.name) from cause
+        raise ImportFormatError(f"{name}: cannot be read: {cause}", file=name) from cause
     *whole, rest = text.replace("\r\n", "\n").split("\n")
     lines = tuple(line for line in whole if line.strip())
     if not lines:
-        raise ImportFormatError(f"{file.name}: holds no whole line", file=file.name)
-    return ForeignLog(file.name, lines, int(bool(rest)))
+        raise ImportFormatError(f"{name}: holds no whole line", file=name)
+    return ForeignLog(name, lines, int(bool(rest)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,7 +96,7 @@ class LogColumns:
     """The reads of a log in SI units, NaN where a cell is empty; all of shape (R,).
 
     Attributes:
-        epcs: As written.
+        epcs: Lower-case hexadecimal, empty where there is none.
         antennas: Port.
         freq_hz: Carrier [Hz].
         rssi_dbm: Received power [dBm].
@@ -104,16 +117,35 @@ class LogColumns:
     dropped: Mapping[str, BoolArray] = field(default_factory=dict)
 
 
-def numbers(table: TextTable, column: str, parse: Callable[[str], float] = float) -> FloatArray:
+def numbers(
+    table: TextTable,
+    column: str,
+    parse: Callable[[str], float] = float,
+    *,
+    within: tuple[float, float] = (-np.inf, np.inf),
+    whole: bool = False,
+) -> FloatArray:
     """One column as finite numbers, NaN where a cell is empty, shape (R,).
 
+    Args:
+        table: The log.
+        column: Name of the column.
+        parse: Makes a number of a cell, or raises ValueError.
+        within: Smallest and largest value that the column can hold, in its own unit.
+        whole: True if it holds integers; a fraction is then a number in some other unit.
+
     Raises:
-        ImportFormatError: If the column is missing or a cell is no finite number; names `column` and `row`.
+        ImportFormatError: If the column is missing, or a cell is no finite number or none that the column can hold;
+            names `column` and `row`.
     """
-    values = np.full(table.rows, np.nan)
+    values, (lowest, highest) = np.full(table.rows, np.nan), within
     for row, cell in enumerate(table.text(column)):
         if cell.strip():
             values[row] = _number(table, column, row, parse)
+            if not lowest <= values[row] <= highest:
+                raise _bad_cell(table, column, row, f"not within {lowest:g} to {highest:g}")
+            if whole and not values[row].is_integer():
+                raise _bad_cell(table, column, row, "no integer")
     return values
 
 
@@ -122,35 +154,50 @@ def optional_numbers(table: TextTable, column: str, parse: Callable[[str], float
     return numbers(table, column, parse) if column in table.columns else np.full(table.rows, np.nan)
 
 
-def channels(table: TextTable, column: str, frequencies_hz: Sequence[float]) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Channel indices from 1, the carriers that the reader's table gives them, and which lie outside it; shape (R,).
+def ports(table: TextTable, column: str) -> IntArray:
+    """One column of reader ports, shape (R,).
+
+    Raises:
+        ImportFormatError: If the column is missing or a cell is no port from 1; names `column` and `row`.
+    """
+    values = table.integers(column)
+    impossible = (values < 1) | (values > _LAST_PORT)
+    if (row := first_row(impossible)) is not None:
+        raise _bad_cell(table, column, row, "no port of a reader")
+    return values
+
+
+def epcs(table: TextTable, column: str, bare: Callable[[str], str] = str.strip) -> list[str]:
+    """One column of EPCs as lower-case hexadecimal, empty where a cell is.
 
     Args:
         table: The log.
-        column: Name of its channel column.
-        frequencies_hz: Carrier of channel index 1, 2, … [Hz].
+        column: Name of the column.
+        bare: Takes off what a program writes around or inside an EPC.
 
     Raises:
-        ImportFormatError: If there is no table, or a cell is no integer.
+        ImportFormatError: If the column is missing or a cell holds no bytes in hexadecimal; names `column` and `row`.
     """
-    if not len(frequencies_hz):
-        message = f"{table.file}: names channels, not frequencies; state the reader's own frequency table"
-        raise ImportFormatError(message, file=table.file, column=column)
-    index = table.integers(column)
-    outside = (index < 1) | (index > len(frequencies_hz))
-    return index, np.asarray(frequencies_hz, dtype=np.float64)[np.where(outside, 1, index) - 1], outside
+    codes = [bare(cell).lower() for cell in table.text(column)]
+    for row, code in enumerate(codes):
+        if code and not _HEX.fullmatch(code):
+            raise _bad_cell(table, column, row, "no EPC in hexadecimal")
+    return codes
 
 
 def _number(table: TextTable, column: str, row: int, parse: Callable[[str], float]) -> float:
-    cell = table.text(column)[row]
     try:
-        value = parse(cell)
+        value = parse(table.text(column)[row])
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        message = f"{table.file}, column {column}, row {row}: {cell!r} is no finite number"
-        raise ImportFormatError(message, file=table.file, column=column, row=row)
+        raise _bad_cell(table, column, row, "no finite number")
     return value
+
+
+def _bad_cell(table: TextTable, column: str, row: int, what: str) -> ImportFormatError:
+    message = f"{table.file}, column {column}, row {row}: {table.text(column)[row]!r} is {what}"
+    return ImportFormatError(message, file=table.file, column=column, row=row)
 
 
 def times_ns(table: TextTable, column: str) -> list[int | None]:
@@ -223,7 +270,7 @@ def log_trace(log: ForeignLog, columns: LogColumns, meta: TraceMeta, carriage: C
     if not keep.any():
         why = ", ".join(f"{reason} {count}" for reason, count in dropped.items()) or "it holds none"
         raise ImportFormatError(f"{log.name}: no read is of use: {why}", file=log.name, dropped=dropped)
-    reads = _table(columns, pose_ids, known_time).filter(pa.array(keep))
+    reads = _table(columns, pose_ids, known_time, keep)
     told = {"rows": len(columns.epcs) + log.cut_lines, "written": int(keep.sum()), "dropped": dropped}
     described = replace(meta, unknown_json=json.dumps({**json.loads(meta.unknown_json), "import": told}))
     pairs = zip(pose_ids[keep].tolist(), columns.antennas[keep].tolist(), strict=True)
@@ -243,9 +290,9 @@ def _sieve(reasons: Mapping[str, BoolArray], rows: int) -> tuple[BoolArray, dict
     return keep, dropped
 
 
-def _table(columns: LogColumns, pose_ids: IntArray, known_time: BoolArray) -> pa.Table:
+def _table(columns: LogColumns, pose_ids: IntArray, known_time: BoolArray, keep: BoolArray) -> pa.Table:
     table = {
-        "epc": pa.array([epc.lower() for epc in columns.epcs], pa.string()),
+        "epc": pa.array(columns.epcs, pa.string()),
         "antenna": pa.array(columns.antennas, pa.int32()),
         "freq_hz": columns.freq_hz,
         "rssi_dbm": columns.rssi_dbm,
@@ -257,8 +304,9 @@ def _table(columns: LogColumns, pose_ids: IntArray, known_time: BoolArray) -> pa
     if not np.isnan(columns.doppler_hz).all():
         table["doppler_hz"] = pa.array(columns.doppler_hz, from_pandas=True)
     if columns.channel_index is not None:
-        table["channel_index"] = pa.array(columns.channel_index, pa.int32())
-    return pa.table(table)
+        # A row that is dropped may hold an index of any size.
+        table["channel_index"] = pa.array(np.where(keep, columns.channel_index, 0), pa.int32())
+    return pa.table(table).filter(pa.array(keep))
 
 
 def _in_file(log: ForeignLog, keep: BoolArray, error: TraceError) -> ImportFormatError:

@@ -14,11 +14,14 @@ from rfcompass.errors import ImportFormatError
 from rfcompass.recordings.carriage import Carriage
 from rfcompass.recordings.foreign_log import (
     READER_META,
+    UHF_HZ,
     ForeignLog,
     LogColumns,
+    epcs,
     log_trace,
     numbers,
     optional_numbers,
+    ports,
     read_log,
     times_ns,
 )
@@ -26,6 +29,9 @@ from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta
 
 _COMMENT = "//"
+_UHF_MHZ = (UHF_HZ[0] / 1e6, UHF_HZ[1] / 1e6)
+# A turn, rounded up to as few as three digits behind the point.
+_HIGHEST_RAD = 2.0 * np.pi + 1e-3
 
 
 def import_itemtest(path: str | Path, *, meta: TraceMeta = READER_META, carriage: Carriage | None = None) -> Trace:
@@ -44,11 +50,11 @@ def import_itemtest(path: str | Path, *, meta: TraceMeta = READER_META, carriage
     header, rows = _header(log)
     table = log.table(header, rows)
     columns = LogColumns(
-        epcs=[epc.replace(" ", "") for epc in table.text("EPC")],
-        antennas=table.integers("Antenna"),
-        freq_hz=np.round(numbers(table, "Frequency", _decimal) * 1e6),
+        epcs=epcs(table, "EPC", lambda cell: cell.replace(" ", "")),
+        antennas=ports(table, "Antenna"),
+        freq_hz=np.round(numbers(table, "Frequency", _decimal, within=_UHF_MHZ) * 1e6),
         rssi_dbm=numbers(table, "RSSI", _decimal),
-        phase_rad=numbers(table, "PhaseAngle", _decimal),
+        phase_rad=numbers(table, "PhaseAngle", _decimal, within=(0.0, _HIGHEST_RAD)),
         t_ns=times_ns(table, "Timestamp"),
         doppler_hz=optional_numbers(table, "DopplerFrequency", _decimal),
     )

@@ -11,18 +11,21 @@ from pathlib import Path
 import numpy as np
 
 from rfcompass.recordings.carriage import Carriage
-from rfcompass.recordings.foreign_log import (
-    READER_META,
-    LogColumns,
-    channels,
-    log_trace,
-    numbers,
-    optional_numbers,
-    read_log,
-    times_ns,
-)
+from rfcompass.recordings.channel_log import ChannelLayout, import_channel_log
+from rfcompass.recordings.foreign_log import READER_META
+from rfcompass.recordings.text_table import TextTable
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta
+
+_LAYOUT = ChannelLayout(
+    time="at",
+    rssi="rssi_dbm",
+    phase="phase_deg",
+    channel="channel",
+    doppler="doppler_hz",
+    highest_phase=360.0,
+    phase_step_rad=np.pi / 180.0,
+)
 
 
 def import_llrpkit(
@@ -44,20 +47,8 @@ def import_llrpkit(
         ImportFormatError: If the file is malformed (`file`, `column`, and `row` counted from 0 without the header), no
             frequencies are given, or no row is of use.
     """
-    log = read_log(path)
-    table = log.table([name.strip() for name in log.lines[0].split(",")], log.lines[1:])
-    phase_rad = np.radians(numbers(table, "phase_deg"))
-    index, freq_hz, outside = channels(table, "channel", frequencies_hz)
-    columns = LogColumns(
-        epcs=[epc.strip() for epc in table.text("epc")],
-        antennas=table.integers("antenna"),
-        freq_hz=freq_hz,
-        rssi_dbm=numbers(table, "rssi_dbm"),
-        phase_rad=phase_rad,
-        t_ns=times_ns(table, "at"),
-        doppler_hz=optional_numbers(table, "doppler_hz"),
-        channel_index=index,
-        dropped={"channel_outside_table": outside},
-    )
-    described = replace(meta, source=f"llrpkit capture, {log.name}", reader="LLRP reader, logged with llrpkit")
-    return log_trace(log, columns, described, carriage)
+
+    def describe(name: str, _: TextTable) -> TraceMeta:
+        return replace(meta, source=f"llrpkit capture, {name}", reader="LLRP reader, logged with llrpkit")
+
+    return import_channel_log(path, _LAYOUT, frequencies_hz, describe, carriage)

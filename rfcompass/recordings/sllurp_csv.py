@@ -12,22 +12,23 @@ from pathlib import Path
 import numpy as np
 
 from rfcompass.recordings.carriage import Carriage
-from rfcompass.recordings.foreign_log import (
-    READER_META,
-    LogColumns,
-    channels,
-    log_trace,
-    numbers,
-    optional_numbers,
-    read_log,
-    times_ns,
-)
+from rfcompass.recordings.channel_log import ChannelLayout, import_channel_log
+from rfcompass.recordings.foreign_log import READER_META
 from rfcompass.recordings.text_table import TextTable
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta
 
-_PHASE_STEP_RAD = 2.0 * np.pi / 4096.0
-_DOPPLER_STEP_HZ = 1.0 / 16.0
+_LAYOUT = ChannelLayout(
+    time="timestamp",
+    rssi="rssi",
+    phase="phase_angle",
+    channel="channel_index",
+    doppler="doppler_frequency",
+    highest_phase=4095.0,
+    phase_step_rad=2.0 * np.pi / 4096.0,
+    whole_phases=True,
+    doppler_step_hz=1.0 / 16.0,
+)
 
 
 def import_sllurp(
@@ -49,32 +50,11 @@ def import_sllurp(
         ImportFormatError: If the file is malformed (`file`, `column`, and `row` counted from 0 without the header), no
             frequencies are given, or no row is of use.
     """
-    log = read_log(path)
-    table = log.table([name.strip() for name in log.lines[0].split(",")], log.lines[1:])
-    phase_rad = numbers(table, "phase_angle") * _PHASE_STEP_RAD
-    index, freq_hz, outside = channels(table, "channel_index", frequencies_hz)
-    columns = LogColumns(
-        epcs=[_bare(epc) for epc in table.text("epc")],
-        antennas=table.integers("antenna"),
-        freq_hz=freq_hz,
-        rssi_dbm=numbers(table, "rssi"),
-        phase_rad=phase_rad,
-        t_ns=times_ns(table, "timestamp"),
-        doppler_hz=optional_numbers(table, "doppler_frequency") * _DOPPLER_STEP_HZ,
-        channel_index=index,
-        dropped={"channel_outside_table": outside},
-    )
-    described = replace(meta, source=f"sllurp log, {log.name}", reader=_reader(table))
-    return log_trace(log, columns, described, carriage)
 
+    def describe(name: str, table: TextTable) -> TraceMeta:
+        return replace(meta, source=f"sllurp log, {name}", reader=_reader(table))
 
-def _bare(epc: str) -> str:
-    """EPC without the marks of a Python bytes literal."""
-    text = epc.strip()
-    for quote in "'\"":
-        if text.startswith(f"b{quote}") and text.endswith(quote):
-            return text[2:-1]
-    return text
+    return import_channel_log(path, _LAYOUT, frequencies_hz, describe, carriage)
 
 
 def _reader(table: TextTable) -> str:

@@ -39,7 +39,8 @@ def check_no_spool(folder: Path) -> None:
     """
     if folder.exists():
         message = (
-            f"{folder}: holds a recording that goes on or did not end; `rfcompass import spool` makes a trace of it"
+            f"{folder}: holds a recording that goes on or did not end; if it does not go on, "
+            f"`rfcompass import spool {folder}` makes a trace of it, and the folder may then be deleted"
         )
         raise TraceError(message, path=str(folder))
 

@@ -90,7 +90,8 @@ def import_spool(path: str | Path, *, carriage: Carriage | None = None) -> Trace
         message = f"{spool}: no read can be kept (without a place: {summary.unplaced})"
         raise NothingRecorded(message, spool=str(spool), dropped={"no_place": summary.unplaced})
     batches = [batch.select(list(summary.columns)) for batch, _ in _placed(spool, where)]
-    told = {"written": summary.reads, "dropped": {"no_place": summary.unplaced}, "ended": "recovered"}
+    dropped = {"no_place": summary.unplaced} if summary.unplaced else {}
+    told = {"written": summary.reads, "dropped": dropped, "ended": "recovered"}
     described = replace(meta, unknown_json=json.dumps({**json.loads(meta.unknown_json), "recording": told}))
     return Trace(described, pa.Table.from_batches(batches), where.poses(summary.pairs))
 

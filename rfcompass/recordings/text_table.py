@@ -96,15 +96,16 @@ def read_text_table(path: Path, error: type[TraceError] | type[ImportFormatError
         InputError: Of class `error`, if the file cannot be read, names a column twice or not at all, or if a
             row has too many or too few cells.
     """
+    name = path.name or str(path)
     try:
         content = path.read_bytes()
         text = (gzip.decompress(content) if path.suffix == ".gz" else content).decode("utf-8-sig")
         lines = [line for line in csv.reader(io.StringIO(text), strict=True) if line]
     except _UNREADABLE as cause:
-        raise error(f"{path.name}: cannot be read: {cause}", file=path.name) from cause
+        raise error(f"{name}: cannot be read: {cause}", file=name) from cause
     if not lines:
-        raise error(f"{path.name}: is empty, not even a header", file=path.name)
-    return as_table(path.name, lines[0], lines[1:], error)
+        raise error(f"{name}: is empty, not even a header", file=name)
+    return as_table(name, lines[0], lines[1:], error)
 
 
 def as_table(

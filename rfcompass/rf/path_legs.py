@@ -74,9 +74,10 @@ def _farthest_cuts(positions_m: FloatArray, tolerance_m: float) -> list[int]:
 
 
 def _jumps(positions_m: FloatArray) -> BoolArray:
-    """True for each step that is far longer than the others, shape (L-1,)."""
+    """True for each step that is far longer than the others, shape (L-1,); staying in a place is no step."""
     steps_m = np.linalg.norm(np.diff(positions_m, axis=0), axis=1)
-    return np.asarray(steps_m > LARGE_JUMP * np.median(steps_m))
+    usual_m = np.median(steps_m[steps_m > 0]) if steps_m.any() else 0.0
+    return np.asarray(steps_m > LARGE_JUMP * usual_m)
 
 
 def _from_chord_m(positions_m: FloatArray) -> FloatArray:

@@ -17,11 +17,15 @@ if TYPE_CHECKING:
     from rfcompass.robots.fcl_collisions import FclCollisions as FclCollisions
     from rfcompass.robots.layouts import known_layouts as known_layouts
     from rfcompass.robots.layouts import load_layout as load_layout
+    from rfcompass.robots.layouts import write_layout as write_layout
     from rfcompass.robots.library import describe_robot as describe_robot
     from rfcompass.robots.library import described_robots as described_robots
     from rfcompass.robots.library import known_robots as known_robots
     from rfcompass.robots.library import load_robot as load_robot
     from rfcompass.robots.limits import JointLimits as JointLimits
+    from rfcompass.robots.mounts import MountPatch as MountPatch
+    from rfcompass.robots.mounts import Mounts as Mounts
+    from rfcompass.robots.mounts import load_mounts as load_mounts
     from rfcompass.robots.quick_collisions import QuickCollisions as QuickCollisions
     from rfcompass.robots.robot import Robot as Robot
     from rfcompass.robots.tagging import tag_urdf as tag_urdf
@@ -33,6 +37,8 @@ _HOME = {
     "Defect": "defect",
     "FclCollisions": "fcl_collisions",
     "JointLimits": "limits",
+    "MountPatch": "mounts",
+    "Mounts": "mounts",
     "QuickCollisions": "quick_collisions",
     "Robot": "robot",
     "RobotDescription": "description",
@@ -46,8 +52,10 @@ _HOME = {
     "known_layouts": "layouts",
     "known_robots": "library",
     "load_layout": "layouts",
+    "load_mounts": "mounts",
     "load_robot": "library",
     "tag_urdf": "tagging",
+    "write_layout": "layouts",
 }
 
 __all__ = [
@@ -55,6 +63,8 @@ __all__ = [
     "Defect",
     "FclCollisions",
     "JointLimits",
+    "MountPatch",
+    "Mounts",
     "QuickCollisions",
     "Robot",
     "RobotDescription",
@@ -68,8 +78,10 @@ __all__ = [
     "known_layouts",
     "known_robots",
     "load_layout",
+    "load_mounts",
     "load_robot",
     "tag_urdf",
+    "write_layout",
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, _HOME)

@@ -63,6 +63,10 @@ class JsonFile:
         """Three finite numbers, shape (3,)."""
         return self.vector_of(self._content if key in self._content else {key: default}, key)
 
+    def number(self, key: str, default: float) -> float:
+        """A number."""
+        return float(self._typed(self._content, key, (int, float), default))
+
     def text_of(self, entry: dict[str, Any], key: str) -> str:
         """A string inside an object of this file."""
         return str(self._typed(entry, key, str, None))

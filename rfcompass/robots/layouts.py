@@ -4,6 +4,7 @@
 holds the part across its middle. Part tags are counted from 0, from the part's -x to its +x end.
 """
 
+import json
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from rfcompass.errors import InputError, RobotModelError, UnknownRobot
+from rfcompass.files import write_text_atomic
 from rfcompass.robots.json_files import JsonFile
 from rfcompass.types.epc import canonical_epc
 from rfcompass.types.tags import TagLayout
@@ -76,6 +78,26 @@ def load_layout(path: str | Path) -> TagLayout:
         raise
     except InputError as error:
         raise type(error)(f"{path}: {error.message}", **error.numbers, file=str(path)) from error
+
+
+def write_layout(layout: TagLayout, path: str | Path, description: str = "") -> Path:
+    """Write a robot's tag layout as a JSON file that `load_layout` reads.
+
+    Args:
+        layout: The tags.
+        path: File to write; one that is there is replaced.
+        description: What the layout is for.
+    """
+    tags = [
+        {"epc": epc, "link": link, "point_m": point_m, "dipole": dipole, "role": role}
+        for epc, link, point_m, dipole, role in zip(
+            layout.epcs, layout.frames, layout.points_m.tolist(), layout.dipoles.tolist(), layout.roles, strict=True
+        )
+    ]
+    counterparts = {str(K): dict(pairs) for K, pairs in layout.counterparts.items()}
+    content = {"schema": SCHEMA, "description": description, "tags": tags, "counterparts": counterparts}
+    write_text_atomic(Path(path), json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+    return Path(path)
 
 
 def _epc(file: JsonFile, tag: dict[str, Any]) -> str:

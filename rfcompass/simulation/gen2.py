@@ -1,9 +1,9 @@
 """Which tag answers when: slotted ALOHA as in Gen2, with the Q algorithm of its annex D.
 
 A round offers 2^Q slots; every tag that has power draws one. A slot with one answer is a read, one with several a
-collision, one with none passes quickly. Collisions raise Q, empty slots lower it, by a step C in a floating Qfp. A tag
-that was read waits for the next round, which begins when all have been read; then all take part again. So the reads
-each tag gets fall with the number of tags.
+collision, one with none passes quickly. Collisions raise Q, empty slots lower it, by a step C in a floating Qfp; as
+soon as Qfp rounds to another Q, the tags that wait draw anew from 2^Q slots (QueryAdjust). A tag that was read waits
+until all have been read; then all take part again. So the reads each tag gets fall with the number of tags.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ _MAX_Q = 15
 class Gen2Slots(Record):
     """How long slots last and how Q moves.
 
-    With the defaults, one tag alone is read about 300 times a second, as commercial readers manage; ours.
+    With the defaults, one tag alone is read about 400 times a second, 13 to 200 together about 280 times; ours.
 
     Attributes:
         read_s: Slot with one answer: query, RN16, acknowledgement, EPC [s].
@@ -100,23 +100,24 @@ def _run(
     """Fill `log` with (window, tag, time) and return how many reads there are."""
     T = listening.shape[1]
     waiting, slot_of = np.ones(T, np.bool_), np.full(T, -1)
-    now, qfp, slot, last, count = starts_s[0], rules[3], 0, 0, 0
+    now, qfp, q, slot, last, count = starts_s[0], rules[3], 0, 0, 0, 0
     for window in range(len(starts_s) - 1):
         now = max(now, starts_s[window])
         while now < starts_s[window + 1]:
             if slot >= last:
                 _new_round(listening[window], waiting)
-                last, slot = _draw_slots(int(np.round(qfp)), waiting, slot_of, rng), 0
+                q = round(qfp)
+                last, slot = _draw_slots(q, waiting, slot_of, rng), 0
             tag, answers = _who(slot, slot_of, waiting & listening[window], power_db[window])
-            if answers > 1 and rng.random() >= rules[5]:
-                _note_collision(slot, slot_of, waiting & listening[window], collided[window])
-                tag = -1
+            if answers > 1:
+                tag = tag if rng.random() < rules[5] else -1
+                _note_collision(slot, slot_of, waiting & listening[window], tag, collided[window])
             now += rules[1] if answers == 0 else (rules[0] if tag >= 0 else rules[2])
             if tag >= 0 and count < len(log) and now < starts_s[window + 1]:
                 log[count, 0], log[count, 1], log[count, 2] = window, tag, now
                 count, waiting[tag] = count + 1, False
             qfp = _moved_q(qfp, answers, rules[4])
-            slot += 1
+            slot = slot + 1 if round(qfp) == q else last
     return count
 
 
@@ -151,9 +152,10 @@ def _who(slot: int, slot_of: IntArray, active: BoolArray, power_db: FloatArray) 
 
 
 @numba.njit(cache=True)
-def _note_collision(slot: int, slot_of: IntArray, active: BoolArray, collided: IntArray) -> None:
+def _note_collision(slot: int, slot_of: IntArray, active: BoolArray, captured: int, collided: IntArray) -> None:
+    """Count the answers that were lost: all but the one that was captured."""
     for t in range(len(slot_of)):
-        if active[t] and slot_of[t] == slot:
+        if active[t] and slot_of[t] == slot and t != captured:
             collided[t] += 1
 
 

@@ -94,7 +94,7 @@ class SceneRecipe(Record):
 
     Attributes:
         base: What is always the same: room, materials, fixed obstacles.
-        furniture: What is placed anew.
+        furniture: What is placed anew; pieces that find no room stay out.
         scatterers: The small things; None for none.
         between: A board that stands half way between reader and part, across the line of sight; parts in its own
             frame, whose x points from the reader to the part.
@@ -131,7 +131,7 @@ class SceneRecipe(Record):
             keep_clear: Discs that furniture keeps out of: x, y and radius [m], such as along the antenna's track.
 
         Raises:
-            SceneError: If a place that is needed is missing, or the furniture finds no room.
+            SceneError: If a place that is needed is missing, or no piece of furniture finds room.
         """
         hiding = self._hiding(part_m, reader_m, rng)
         taken: list[Disc] = [(*_xy(place), self.clear_m) for place in (part_m, reader_m) if place is not None]
@@ -142,21 +142,33 @@ class SceneRecipe(Record):
         return RadioScene(self.base.with_obstacles([*hiding, *standing]), scatterers)
 
     def _arranged(self, taken: Sequence[Disc], rng: np.random.Generator) -> list[Obstacle]:
-        """Place all furniture; begin again a few times where what stands already leaves no room for the rest."""
-        for left in reversed(range(_ARRANGEMENTS)):
+        """Place all furniture; begin again a few times where what stands already leaves no room for the rest.
+
+        If nothing helps, pieces without room stay out, as they would; a room where none of them fits is refused.
+        """
+        for _ in range(_ARRANGEMENTS):
             try:
                 return self._one_arrangement(taken, rng)
-            except SceneError:
-                if not left:
-                    raise
-        return []
+            except SceneError as error:
+                refusal = error
+        standing = self._one_arrangement(taken, rng, leave_out=True)
+        if self.furniture and not standing:
+            raise refusal
+        return standing
 
-    def _one_arrangement(self, taken: Sequence[Disc], rng: np.random.Generator) -> list[Obstacle]:
+    def _one_arrangement(
+        self, taken: Sequence[Disc], rng: np.random.Generator, *, leave_out: bool = False
+    ) -> list[Obstacle]:
         used, standing = list(taken), []
         for kind in self.furniture:
             for number in range(kind.count):
-                (x, y), yaw = self._spot(kind.radius_m, used, rng, kind.name), rng.uniform(-np.pi, np.pi)
-                standing += kind.at(x, y, yaw, f"{kind.name}_{number + 1}")
+                try:
+                    x, y = self._spot(kind.radius_m, used, rng, kind.name)
+                except SceneError:
+                    if not leave_out:
+                        raise
+                    continue
+                standing += kind.at(x, y, rng.uniform(-np.pi, np.pi), f"{kind.name}_{number + 1}")
                 used.append((x, y, kind.radius_m))
         return standing
 

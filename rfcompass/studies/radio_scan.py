@@ -53,7 +53,7 @@ def scan_over_part(
         radio: Room, track and reader.
         rng: Source of everything.
     """
-    room = _room_with_hand_over_part(rng)
+    room = room_with_hand_over_part(rng)
     start = robot.posture("scan")
     joints = hand_over(robot, start, np.array([*HAND_M, HAND_HEIGHT_M]), 0.0).joints
     sensor = radio.sensor(room, robot.layout, layout, rng)
@@ -61,7 +61,8 @@ def scan_over_part(
     return ScannedStop(device.scan(), device.true_state())
 
 
-def _room_with_hand_over_part(rng: np.random.Generator) -> PlaneRoom:
+def room_with_hand_over_part(rng: np.random.Generator) -> PlaneRoom:
+    """Lay the part somewhere in the middle of the room, and the robot so that its hand can be about over it."""
     lower_m, upper_m = np.array(DRIVE_AREA_M)
     while True:
         x_m, y_m = rng.uniform(*PART_AREA_M)

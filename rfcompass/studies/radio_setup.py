@@ -23,6 +23,7 @@ from rfcompass.simulation import (
     load_recipe,
 )
 from rfcompass.simulation.radio_sensing import Leg
+from rfcompass.simulation.scene_recipe import Disc
 from rfcompass.types.parts import Part
 from rfcompass.types.tags import TagLayout
 
@@ -32,7 +33,8 @@ AREA_M = ((1.3, 1.3), (5.5, 4.5))
 DRIVE_AREA_M = ((0.6, 0.6), (5.4, 4.4))
 ROBOT_CLEAR_M = 0.6
 TRACK_CLEAR_M = 0.3
-PART_CLEAR_M = 0.3
+PART_CLEAR_M = 0.2  # half a leg
+LYING_HEIGHT_M = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,7 +78,7 @@ class RadioSetup:
             scene=scene,
             robot_tags=_unplaced(robot, self.tag_model, rng),
             part_tags=_unplaced(part, self.part_tag_model, rng),
-            other_tags=self._others(recipe, room, rng),
+            other_tags=self._others(recipe, room, [*_clear_of(carrier), *_standing(scene)], rng),
             rig=self.rig,
             carrier=carrier,
         )
@@ -84,18 +86,17 @@ class RadioSetup:
     def _furnished(
         self, recipe: SceneRecipe, room: PlaneRoom, carrier: Carrier, rng: np.random.Generator
     ) -> RadioScene:
-        track_m = carrier.track().positions_m[:, :2]
-        clear = [(float(x), float(y), TRACK_CLEAR_M) for x, y in track_m[::5]]
-        clear.append((room.T_room_base.x_m, room.T_room_base.y_m, ROBOT_CLEAR_M))
-        part_m, reader_m = room.T_room_part.translation_m, track_m.mean(axis=0)
+        clear = [*_clear_of(carrier), (room.T_room_base.x_m, room.T_room_base.y_m, ROBOT_CLEAR_M)]
+        part_m, reader_m = room.T_room_part.translation_m, carrier.track().positions_m[:, :2].mean(axis=0)
         return recipe.draw(rng, part_m=part_m.tolist(), reader_m=reader_m.tolist(), keep_clear=clear)
 
-    def _others(self, recipe: SceneRecipe, room: PlaneRoom, rng: np.random.Generator) -> tuple[PlacedTags, ...]:
+    def _others(
+        self, recipe: SceneRecipe, room: PlaneRoom, taken: Sequence[Disc], rng: np.random.Generator
+    ) -> tuple[PlacedTags, ...]:
         if not self.others:
             return ()
-        T_room_base, T_room_part = room.T_room_base, room.T_room_part
-        taken = [(T_room_base.x_m, T_room_base.y_m, ROBOT_CLEAR_M), (T_room_part.x_m, T_room_part.y_m, ROBOT_CLEAR_M)]
-        spots = recipe.clear_spots(len(self.others), PART_CLEAR_M, taken, rng)
+        own = [(pose.x_m, pose.y_m, ROBOT_CLEAR_M) for pose in (room.T_room_base, room.T_room_part)]
+        spots = recipe.clear_spots(len(self.others), PART_CLEAR_M, [*taken, *own], rng)
         headings = rng.uniform(-np.pi, np.pi, len(spots))
         return tuple(
             self._lying(part, Pose2(x, y, heading), rng)
@@ -106,6 +107,20 @@ class RadioSetup:
         lifted = part.tags.points_m + np.array([0.0, 0.0, part.resting_height_m])
         turned: FloatArray = Pose2(0.0, 0.0, pose.theta_rad).apply(part.tags.dipoles)
         return PlacedTags.draw(part.tags.epcs, pose.apply(lifted), turned, self.part_tag_model, rng)
+
+
+def _clear_of(carrier: Carrier) -> list[Disc]:
+    """Discs along the antenna's track."""
+    return [(float(x), float(y), TRACK_CLEAR_M) for x, y in carrier.track().positions_m[::5, :2]]
+
+
+def _standing(scene: RadioScene) -> list[Disc]:
+    """Discs about what reaches the floor; what hangs higher than a lying part is no obstacle to it."""
+    low = [ob.bounds_m for ob in scene.scene.obstacles if ob.bounds_m[0, 2] < LYING_HEIGHT_M]
+    return [
+        (float(x), float(y), float(np.hypot(*half_m)))
+        for (x, y), half_m in ((b[:, :2].mean(axis=0), np.diff(b[:, :2], axis=0)[0] / 2) for b in low)
+    ]
 
 
 def _unplaced(layout: TagLayout, model: TagModel, rng: np.random.Generator) -> PlacedTags:

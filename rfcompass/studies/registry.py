@@ -11,6 +11,9 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.measured:MEASURED_PROXIMITY",
     "rfcompass.studies.comparisons:COMPARISONS",
     "rfcompass.studies.fetches:FETCHES",
+    "rfcompass.studies.measured_target:MEASURED_TARGET",
+    "rfcompass.studies.resolution:RESOLUTION",
+    "rfcompass.studies.accuracy:ACCURACY",
     "rfcompass.studies.polarisation:POLARISATION",
     "rfcompass.studies.fusebot:FUSEBOT_LOCALISATION",
 )

@@ -8,6 +8,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from rfcompass.recordings import AntennaPoses, Trace, TraceMeta, reads_table, write_trace
+from rfcompass.simulation import SweepScene, simulate_sweep
+
 
 def test_survey_answers_in_the_agreed_shape(run, sweep, tags_m):
     answer = run("survey", sweep, "--json").json
@@ -34,6 +37,16 @@ def test_a_tag_that_was_asked_for_and_never_heard_is_no_answer(run, sweep, comma
     assert ran.json["failure"]["epc"] == epc
 
 
+def test_a_survey_from_the_wrist_says_what_to_measure_where_it_is_not_sure(run, sweep):
+    """A line of one metre tells little across itself: hardly a box is small."""
+    answer = run("survey", sweep, "--method", "wrist", "--json").json
+    unsure = {tag["epc"] for tag in answer["tags"] if not tag["confident"]}
+    assert set(answer["advice"]) == unsure
+    assert all({"aid", "box_m", "enough"} == set(one) for options in answer["advice"].values() for one in options)
+    said = run("survey", sweep, "--method", "wrist").out
+    assert said.count("measure more") == len(unsure) > 0
+
+
 def test_survey_shows_a_table_to_people(run, sweep):
     ran = run("survey", sweep)
     assert ran.code == 0
@@ -49,6 +62,37 @@ def test_proximity_answers_with_a_square_matrix(run, sweep, tags_m):
     assert np.array_equal(m, m.T, equal_nan=True)
     assert m[0, 1] < m[0, 2]
     assert answer["kind"] != "auto"
+
+
+def test_tags_of_which_no_two_can_be_compared_are_no_answer(run, sweep, damaged, tags_m):
+    table = pq.read_table(damaged / "reads.parquet")
+    first, second, _ = sorted(tags_m)
+    early = table["pose_id"].to_numpy() < 15
+    epc = table["epc"].to_numpy(zero_copy_only=False)
+    pq.write_table(table.filter(((epc == first) & early) | ((epc == second) & ~early)), damaged / "reads.parquet")
+    ran = run("proximity", damaged)
+    assert (ran.code, ran.out) == (1, "")
+    failure = run("proximity", damaged, "--json").json["failure"]
+    assert (failure["kind"], failure["pairs"], failure["tags"]) == ("TooFewPairs", 0, 2)
+
+
+def test_proximity_of_many_tags_is_readable_without_a_terminal(run, tmp_path):
+    rail_m = np.column_stack([np.linspace(0, 1, 20), np.zeros(20), np.zeros(20)])
+    tags_m = {f"3008{i:020x}": np.array([0.08 * i, 0.7, 0.0]) for i in range(13)}
+    scene = SweepScene(tags_m=tags_m, antenna_positions_m=rail_m, frequencies_hz=np.array([920.6e6]))
+    reads = simulate_sweep(scene, np.random.default_rng(0))
+    trace = Trace(TraceMeta(frame="rail", dimensions=2), reads_table(reads), AntennaPoses.along(rail_m))
+    write_trace(trace, tmp_path / "t")
+    m = np.array(run("proximity", tmp_path / "t", "--json").json["m"], dtype=float)
+    out = run("proximity", tmp_path / "t").out
+    assert "…" not in out
+    assert max(map(len, out.splitlines())) <= 80
+    lines = [line.replace("│", " ").split() for line in out.splitlines() if "3008" in line]
+    assert len(lines) == 78
+    index = {epc: i for i, epc in enumerate(sorted(tags_m))}
+    assert [number for *_, number in lines] == [f"{m[index[a], index[b]]:.3g}" for a, b, _ in lines]
+    listed = [float(number) for *_, number in lines]
+    assert listed == sorted(listed)
 
 
 @pytest.mark.parametrize("kind", ["pinit_dtw", "phase_dtw", "phase_l1", "profile_l1", "aoa", "rssi", "auto"])
@@ -141,7 +185,8 @@ def test_import_makes_a_trace_that_survey_understands(run, tmp_path):
         (source / f"190110-01-3-1_{index}.csv.gz").write_bytes(gzip.compress(adarf_csv(0.02 * (index + 1))))
     ran = run("import", "adarf", source, "--out", tmp_path / "trace", "--json")
     assert (ran.code, ran.json["reads"], ran.json["epcs"]) == (0, 6, ["a"])
-    assert run("proximity", tmp_path / "trace", "--json").code == 0
+    alone = run("proximity", tmp_path / "trace", "--json")
+    assert (alone.code, alone.json["failure"]["kind"], alone.json["failure"]["tags"]) == (1, "TooFewPairs", 1)
     assert run("import", "adarf", source, "--out", tmp_path / "trace").code == 2
     assert run("import", "adarf", source, "--out", tmp_path / "trace", "--overwrite").code == 0
 

@@ -1,12 +1,19 @@
 """The first whole job, and what it leaves behind."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rfcompass.errors import OutOfReach
 from rfcompass.recordings import open_trace
+from rfcompass.recordings.parts import PartDatabase
+
+META_KEYS = {
+    "schema", "source", "license", "reader", "frame", "geometry", "phase_sign", "phase_modulus", "dimensions", "tags",
+    "robot", "tag_layout",
+}  # fmt: skip
 
 
 def contents(folder):
@@ -43,6 +50,14 @@ def test_a_run_folder_is_complete_and_its_page_stands_alone(answer, fetched):
     assert json.loads((fetched / "run.json").read_text())["seed"] == 3
 
 
+def test_the_first_program_of_the_readme_runs_on_what_a_fetch_leaves(answer, fetched, monkeypatch, capsys):
+    text = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
+    program = text.split("```python\n", 1)[1].split("```", 1)[0]
+    monkeypatch.setenv("RFCOMPASS_PARTS", ":memory:")
+    exec(program.replace("runs/fetch-table_leg_3-0/trace", str(fetched / "trace")), {})
+    assert "[" in capsys.readouterr().out
+
+
 def test_the_same_seed_leaves_the_same_run_folder(run, answer, fetched, tmp_path):
     ran = run("fetch", "table_leg_3", "--seed", 3, "--out", tmp_path / "again", "--database", ":memory:")
     assert ran.code == 0
@@ -53,7 +68,18 @@ def test_the_trace_of_a_run_holds_no_truth(answer, fetched):
     trace = open_trace(fetched / "trace")
     base = trace.stops.base_poses[0]
     assert np.array_equal(base, [0.0, 0.0, 0.0])  # odometry starts at zero, wherever the robot truly was
-    assert not {"x_m", "y_m"} & {tag.epc for tag in trace.meta.tags}
+    meta = json.loads((fetched / "trace" / "meta.json").read_text())
+    assert set(meta) == META_KEYS
+    assert {key for tag in meta["tags"] for key in tag} == {"epc", "body", "link", "point_m", "dipole"}
+    with PartDatabase(":memory:") as database:
+        known = database.part("table_leg_3").tags
+    of_part = {tag["epc"]: tag for tag in meta["tags"] if tag["body"] != "robot"}
+    assert of_part
+    for epc, tag in of_part.items():
+        row = known.epcs.index(epc)
+        assert (tag["body"], "link" in tag) == ("table_leg_3", False)
+        # In the part's own frame, as anybody can look it up; where the part lies is said nowhere.
+        assert (tag["point_m"], tag["dipole"]) == (known.points_m[row].tolist(), known.dipoles[row].tolist())
 
 
 def test_locate_finds_in_the_trace_what_fetch_found(run, answer, fetched):
@@ -97,6 +123,9 @@ def test_a_run_is_not_overwritten_unasked(run, answer, fetched):
         (("table_leg_3", "--tags", "7"), "PartError"),
         (("table_leg_3", "--proximity", "guess"), "UnknownMeter"),
         (("table_leg_3", "--scene", "moon"), "SceneError"),
+        (("table_leg_3", "--scene", "room_los", "--occluded"), "InputError"),
+        (("table_leg_3", "--proximity", "noisy_distance", "--others"), "InputError"),
+        (("table_leg_3", "--proximity", "noisy_distance", "--mode", "paper"), "InputError"),
     ],
 )
 def test_what_does_not_exist_is_bad_input_and_leaves_nothing(run, tmp_path, options, kind):

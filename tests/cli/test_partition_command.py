@@ -39,7 +39,7 @@ def problem(tmp_path):
 SHAPE = {"centre_m", "theta_rad", "orientation_norm", "satisfied_relaxed", "satisfied", "total", "epsilon", "region"}
 
 
-@pytest.mark.parametrize("method", ["partition", "consistency"])
+@pytest.mark.parametrize("method", ["partition", "consistency", "posterior"])
 def test_it_answers_in_the_agreed_shape_and_meets_every_comparison(run, problem, method):
     answer = run("partition", problem(), "--method", method, "--json").json
     assert SHAPE | {"theta_interval_rad", "gap"} <= set(answer)

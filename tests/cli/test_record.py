@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,8 +13,9 @@ import pytest
 
 pytest.importorskip("llrpkit", reason="llrpkit is not installed (extra llrp)")
 
-from rfcompass.recordings import open_trace
+from rfcompass.recordings import TraceMeta, open_trace
 from rfcompass.recordings.sources import EmulatedReader, Pace, SequenceSource
+from rfcompass.recordings.spool import SpoolWriter
 from rfcompass.types.reads import TagRead
 
 
@@ -55,6 +57,14 @@ def test_people_are_told_what_was_written_and_that_the_antennas_are_nowhere(run,
     assert "origin" in ran.err
 
 
+def test_reads_of_a_port_that_was_not_placed_are_dropped_and_people_are_told(run, reader, tmp_path):
+    command = ("record", reader.host, "--port", reader.port, "--reads", 300, "--antenna-position", "2=0,0,1")
+    ran = run(*command, "--out", tmp_path / "t", "--json")
+    assert (ran.json["reads"], ran.json["dropped"]) == (150, {"no_place": 150})
+    assert "no_place 150" in ran.err
+    assert open_trace(tmp_path / "t").antenna_poses.positions_m.tolist() == [[0, 0, 1]]
+
+
 def test_one_antenna_can_be_chosen(run, reader, tmp_path):
     command = ("record", reader.host, "--port", reader.port, "--antennas", "2", "--reads", 150)
     assert run(*command, "--out", tmp_path / "t", "--json").json["reads"] == 150
@@ -86,6 +96,7 @@ def test_a_reader_that_is_not_there_is_no_answer(run, reader, tmp_path):
         ("--antenna-position", "1=0,0"),
         ("--antenna-position", "0,0,0"),
         ("--antenna-position", "1=0,0,nan"),
+        ("--antenna-position", "1=0,0,0", "--antenna-position", "1=0,0,1"),
         ("--antenna-position", "1=0,0,0", "--carrier", "log.csv"),
         ("--poses", "nowhere.csv"),
         ("--duration", 0),
@@ -161,6 +172,21 @@ def test_a_recording_that_was_killed_can_be_recovered(run, tmp_path):
     assert answer["reads"] == len(ticks) > 100
 
 
+def test_what_is_told_about_a_recording_that_did_not_end_leads_to_a_new_one(run, reader, tmp_path):
+    with SpoolWriter(tmp_path / "t.recording", TraceMeta(frame="hall")) as spool:
+        spool.write(some_reads(5))
+    record = ("record", reader.host, "--port", reader.port, "--reads", 100, "--out", tmp_path / "t", "--overwrite")
+    refused = run(*record)
+    assert refused.code == 2
+    assert "deleted" in refused.err
+    recovered = run("import", "spool", tmp_path / "t.recording", "--out", tmp_path / "t", "--json")
+    assert (recovered.json["reads"], recovered.json["dropped"]) == (5, {})
+    assert "dropped" not in recovered.err
+    assert "is kept" in recovered.err
+    shutil.rmtree(tmp_path / "t.recording")
+    assert run(*record).code == 0
+
+
 def test_the_reader_may_be_killed_and_started_again_while_recording(tmp_path):
     reader = EmulatedReader(SequenceSource(some_reads(2000), pace=Pace(reads_per_s=1500.0)))
     reader.start()
@@ -188,6 +214,6 @@ def test_import_takes_the_frequency_table_of_the_reader(run, tmp_path):
         trace = open_trace(tmp_path / "t")
         assert trace.reads["freq_hz"].to_pylist() == [902.75e6]
         assert trace.meta.phase_modulus == "2pi"
-    for wrong in ("fast", "-1", ""):
+    for wrong in ("fast", "-1", "", "902750000,903250000", "902750", "0.90275", "902.75,nan"):
         assert run("import", "sllurp", log, "--frequencies", wrong, "--out", tmp_path / "u").code == 2
     assert not (tmp_path / "u").exists()

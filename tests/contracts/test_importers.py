@@ -114,6 +114,9 @@ def test_antennas_are_at_the_origin_unless_somebody_knows_better(layout, tmp_pat
     assert run(lines).antenna_poses.antennas.tolist() == [1, 2]
     still = StillAntennas({1: np.array([1.0, 0, 0]), 2: np.array([0, 1.0, 0])})
     assert run(lines, carriage=still).antenna_poses.positions_m.tolist() == [[1, 0, 0], [0, 1, 0]]
+    half = run(lines, carriage=StillAntennas({2: np.array([0, 1.0, 0])}))
+    assert told(half) == {"rows": 12, "written": 6, "dropped": {"no_place": 6}}
+    assert half.antenna_poses.antennas.tolist() == [2]
     log = tmp_path / "carrier.csv"
     times = [ROWS[0]["t"] * 10**9, ROWS[5]["t"] * 10**9]
     log.write_text(
@@ -153,6 +156,28 @@ def test_a_number_that_is_none_is_an_error_with_its_row(layout):
     with pytest.raises(ImportFormatError) as caught:
         run(lines)
     assert caught.value.numbers["row"] == 4
+
+
+@pytest.mark.parametrize("place", [3, 11])
+def test_a_line_cut_inside_a_quoted_cell_is_an_error_with_its_row(layout, place):
+    run, line, _ = layout
+    lines = [line(row) for row in ROWS]
+    lines[place] = '"' + lines[place][:8]
+    with pytest.raises(ImportFormatError) as caught:
+        run(lines)
+    assert caught.value.numbers["row"] == place
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"epc": "zzzz not hex"}, {"epc": "300"}, {"antenna": -4}, {"antenna": 0}, {"code": 9999}, {"code": -5}]
+)
+def test_a_value_that_cannot_be_is_an_error_with_its_row(layout, wrong):
+    run, line, _ = layout
+    lines = [line({**row, **wrong} if k == 4 else row) for k, row in enumerate(ROWS)]
+    with pytest.raises(ImportFormatError) as caught:
+        run(lines)
+    assert caught.value.numbers["row"] == 4
+    assert "column" in caught.value.numbers
 
 
 @pytest.mark.parametrize("lines", [[], [""]])

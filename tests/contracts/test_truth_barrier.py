@@ -10,12 +10,17 @@ import pytest
 
 import rfcompass.types
 from rfcompass.evaluation.metrics import order_comparisons
-from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer, survey
+from rfcompass.geometry import Pose2
+from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer, measure_proximities, survey
 from rfcompass.recordings import AntennaPoses, PartDatabase, Trace, TraceMeta, open_trace, reads_table, write_trace
+from rfcompass.rf import SarNearfieldMeter
 from rfcompass.robots import YouBot
 from rfcompass.simulation import SweepScene, simulate_sweep
+from rfcompass.studies.comparisons import wrong_comparisons
 from rfcompass.studies.fetch_trace import fetch_trace
 from rfcompass.studies.fetching import FetchTask, SimulatedFetch
+from rfcompass.studies.radio_scan import scan_over_part
+from rfcompass.studies.radio_setup import RadioSetup
 
 # What an estimator says about its own work; goes out, never in.
 FREE_FORM = {("PartEstimate", "diagnostics")}
@@ -94,3 +99,48 @@ def test_a_fetch_located_again_from_its_trace_gives_the_same_answer(localizer, t
     again = localizer.estimate(open_trace(tmp_path / "trace").observations(task.robot, leg))
     assert np.array_equal(again.centre_m, steps[-1].estimate.centre_m)
     assert again.theta_rad == steps[-1].estimate.theta_rad
+
+
+def a_radio_stop(seed, part):
+    radio = RadioSetup(scene="free_space")
+    return scan_over_part(YouBot(), part, part.layout(2), radio, np.random.default_rng(seed))
+
+
+def with_traces_exchanged(observation, order):
+    """The same observation, but every tag has the reads of another one."""
+    traces = observation.scan.traces
+    names = list(traces)
+    exchanged = {name: dataclasses.replace(traces[names[o]], epc=name) for name, o in zip(names, order, strict=True)}
+    return dataclasses.replace(observation, scan=dataclasses.replace(observation.scan, traces=exchanged))
+
+
+def test_reads_of_a_radio_exchanged_among_the_tags_tell_no_better_than_a_coin():
+    part = PartDatabase(":memory:").part("table_leg_3")
+    right, exchanged = [], []
+    for seed in range(3):
+        stop, rng = a_radio_stop(seed, part), np.random.default_rng(seed)
+        order = rng.permutation(len(stop.observation.scan.traces))
+        for heard, into in ((stop.observation, right), (with_traces_exchanged(stop.observation, order), exchanged)):
+            matrix = measure_proximities(heard, SarNearfieldMeter(amplitude=False))
+            into.extend(wrong_comparisons(matrix.m, stop.distances_m, 0.0).tolist())
+    assert np.mean(right) < 0.2
+    assert 0.3 < np.mean(exchanged) < 0.7
+
+
+def test_a_world_that_changes_after_the_scan_changes_no_answer():
+    part = PartDatabase(":memory:").part("table_leg_3")
+    task = FetchTask(
+        robot=YouBot(),
+        part=part,
+        tags=2,
+        localizer=ConsistencyLocalizer(),
+        seed=1,
+        radio=RadioSetup(scene="free_space"),
+    )
+    run = SimulatedFetch(task)
+    first = next(iter(run.steps())).step
+    before = task.localizer.estimate([first.measured])
+    run._device._true = Pose2(9.0, 9.0, 1.0)
+    after = task.localizer.estimate([dataclasses.replace(first.observation, proximity=None)])
+    assert np.array_equal(before.centre_m, after.centre_m)
+    assert before.theta_rad == after.theta_rad

@@ -42,6 +42,33 @@ def test_the_gap_bounds_what_the_truth_could_meet():
         assert strict <= fit.diagnostics["best"] + fit.gap
 
 
+@pytest.mark.parametrize("K", [1, 2, 4])
+def test_a_tenth_of_flips_leaves_nothing_open(K):
+    for seed in range(10):
+        stops, truth = random_stops(np.random.default_rng(seed), flips=0.1, K=K)
+        fit = ConsistencyLocalizer().fit(stops)
+        assert fit.gap == 0
+        assert fit.diagnostics["complete"]
+        strict = sum(int(stop.satisfied(truth, -2.1e-3).sum()) for stop in stops)
+        assert strict <= fit.diagnostics["best"]
+
+
+def test_anchors_that_stay_where_they_are_leave_nothing_open_either():
+    """Bisectors that coincide over stops, and three through one point for each three anchors."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        (stop,), _ = random_stops(rng, S=1)
+        again = []
+        for _ in range(3):
+            wrong, c = rng.uniform(size=len(stop.comparisons)) < 0.1, stop.comparisons
+            nearer, farther = np.where(wrong, c.farther, c.nearer), np.where(wrong, c.nearer, c.farther)
+            comparisons = Comparisons(c.target, nearer, farther, c.margin)
+            again.append(ComparedStop(stop.anchors_m, stop.part_points_m, comparisons))
+        fit = ConsistencyLocalizer().fit(again)
+        assert fit.gap == 0
+        assert fit.diagnostics["complete"]
+
+
 def test_outliers_are_mostly_the_flipped_ones():
     exact, _ = random_stops(np.random.default_rng(4))
     flipped, _ = random_stops(np.random.default_rng(4), flips=0.1)
@@ -106,6 +133,14 @@ def test_a_search_without_room_is_refused():
     with pytest.raises(InputError, match="max_boxes"):
         ConsistencyLocalizer(max_boxes=10).fit(stops)
     assert ConsistencyLocalizer(max_boxes=64).fit(stops).gap > 0
+
+
+@pytest.mark.parametrize("name", ["margin_m", "leaf_m", "leaf_rad"])
+@pytest.mark.parametrize("value", [0.0, -1e-3, float("nan")])
+def test_a_margin_or_leaf_without_size_is_refused(name, value):
+    stops, _ = random_stops(np.random.default_rng(0))
+    with pytest.raises(InputError, match=f"{name} = .* is not above 0"):
+        ConsistencyLocalizer(**{name: value}).fit(stops)
 
 
 def test_when_every_comparison_is_wrong_everywhere_all_poses_tie():

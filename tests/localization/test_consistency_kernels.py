@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from compared_scenes import random_stops
 
-from rfcompass.localization.consistency import rows_met, signed_distances
+from rfcompass.localization.best_cells import rows_met, signed_distances
 from rfcompass.localization.consistency_kernels import search
 from rfcompass.localization.problem import build_partition
 
@@ -21,7 +21,7 @@ def rows_of(seed, flips=0.1, margin_m=1e-3, **size):
 def best_of(G, max_boxes=400_000):
     poses = np.zeros((64, 3))
     prints = np.random.default_rng(0).integers(-(2**62), 2**62, len(G))
-    met, bound, found, boxes = search(G, prints, BOUNDS_M, LEAF, max_boxes, poses)
+    met, bound, found, _, boxes = search(G, prints, BOUNDS_M, LEAF, max_boxes, poses)
     return met, bound, poses[:found], boxes
 
 

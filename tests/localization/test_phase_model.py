@@ -66,3 +66,17 @@ def test_channels_do_not_count_as_independent_witnesses():
         build_phase_model(t).fit_covariance(tag_m, 0.1, PathCovariance(), PLANE) for t in (all_of_them, one)
     )
     assert many == pytest.approx(single, rel=0.05)
+
+
+@given(st.floats(0.05, 2.0))
+def test_phases_are_worth_no_more_than_their_number_and_less_if_reflections_change_slowly(length):
+    model = build_phase_model(reads_of([0.4, 0.7, 0.0]))
+    shares = [model.independent_share(PathCovariance(length_wavelengths=scale * length)) for scale in (1.0, 2.0)]
+    assert 0.0 < shares[1] < shares[0] <= 1.0
+
+
+def test_channels_see_the_same_reflections_and_so_count_as_one():
+    """With next to no correlation along the path, 41 positions in 3 channels are worth 41."""
+    model = build_phase_model(reads_of([0.4, 0.7, 0.0]))
+    share = model.independent_share(PathCovariance(length_wavelengths=1e-3))
+    assert share == pytest.approx(1 / 3, rel=1e-6)

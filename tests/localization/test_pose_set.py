@@ -4,7 +4,7 @@ import numpy as np
 from compared_scenes import random_stops
 
 from rfcompass.geometry import angle_difference, intersect_half_planes, polygon_contains
-from rfcompass.localization.pose_kernels import ranges_alive, slices
+from rfcompass.localization.pose_kernels import can_break, moments, ranges_alive, slices
 from rfcompass.localization.pose_set import pose_set, unite
 from rfcompass.localization.problem import PartitionProblem, build_partition
 from rfcompass.types import HalfSpaces
@@ -71,12 +71,38 @@ def test_slices_are_the_polygons_of_half_planes():
     assert counts[10] >= 3
 
 
+def test_rows_left_out_on_the_way_do_not_change_the_set():
+    """The slices of all rows within the original bounds are the same polygons."""
+    for seed in range(5):
+        problem, _ = a_problem(seed)
+        found = pose_set(problem)
+        vertices, counts = slices(problem.rows.A, problem.rows.b, BOUNDS_M, found.theta_rad)
+        whole = moments(vertices, counts) * found.width_rad[:, None]
+        assert found.theta_rad.size > 10
+        assert np.allclose(found.moments, whole, rtol=1e-9, atol=1e-15)
+
+
+def test_rows_that_are_called_met_everywhere_are():
+    rng = np.random.default_rng(0)
+    for seed in range(5):
+        problem, truth = a_problem(seed)
+        box_m, half = truth.translation_m[:, None] + np.array([-0.05, 0.05]), 0.1
+        middle = truth.theta_rad + np.array([-0.2, 0.3])
+        maybe = can_break(problem.rows.A, problem.rows.b, box_m, middle, half)
+        x, y = rng.uniform(*box_m.T[:, :, None], (2, 1000))
+        theta = rng.choice(middle, 1000) + rng.uniform(-half, half, 1000)
+        z = np.column_stack([x, y, np.cos(theta), np.sin(theta)])
+        broken = (z @ problem.rows.A.T > problem.rows.b).any(axis=0)
+        assert not broken[~maybe].any()
+        assert 0 < (~maybe).sum() < maybe.size
+
+
 def test_no_range_with_a_pose_in_it_is_called_empty():
     for seed in range(5):
         problem, _ = a_problem(seed, K=2, N=5, S=1)
         poses, _ = drawn(problem, 20_000)
         for half in (0.5, 0.05, 0.005):
-            assert ranges_alive(problem.rows.A, problem.rows.b, BOUNDS_M, poses[:, 2], half).all()
+            assert ranges_alive(problem.rows.A, problem.rows.b, BOUNDS_M, poses[:, 2], half)[0].all()
 
 
 def test_contradicting_rows_hold_no_pose():

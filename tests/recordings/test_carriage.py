@@ -40,6 +40,19 @@ def test_still_antennas_stand_where_the_file_says(tmp_path):
     assert still.pose_ids(np.array([2, 2]), np.zeros(2, dtype=np.int64), np.zeros(2, dtype=bool)).tolist() == [0, 0]
 
 
+def test_a_port_without_a_place_has_none_once_another_has_one():
+    still = StillAntennas({2: np.array([0.0, 0.0, 1.0])})
+    ports = np.array([1, 2, 3, 2])
+    assert still.pose_ids(ports, np.zeros(4, dtype=np.int64), np.zeros(4, dtype=bool)).tolist() == [-1, 0, -1, 0]
+    assert StillAntennas().pose_ids(ports, np.zeros(4, dtype=np.int64), np.zeros(4, dtype=bool)).tolist() == [0] * 4
+
+
+def test_a_file_of_still_antennas_without_a_row_is_refused_rather_than_taken_for_the_origin(tmp_path):
+    (tmp_path / "poses.csv").write_text("pose_id,antenna,x_m,y_m,z_m,qx,qy,qz,qw\n")
+    with pytest.raises(TraceError):
+        StillAntennas.read(tmp_path / "poses.csv")
+
+
 def test_two_poses_of_one_still_antenna_are_refused():
     with pytest.raises(TraceError) as caught:
         StillAntennas.of(AntennaPoses.along(np.zeros((2, 3))))

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rfcompass.errors import ImportFormatError
-from rfcompass.recordings.foreign_log import channels, numbers, optional_numbers, read_log, times_ns
+from rfcompass.recordings.foreign_log import epcs, numbers, optional_numbers, ports, read_log, times_ns
 from rfcompass.recordings.text_table import TextTable
 
 
@@ -85,13 +85,38 @@ def test_empty_cells_lack_and_others_must_be_numbers():
         assert caught.value.numbers["row"] == 1
 
 
-def test_channels_take_their_carriers_from_the_table():
-    index, freq_hz, outside = channels(table(c=["2", "1", "3", "0", "-1"]), "c", (905e6, 903e6))
-    assert index.tolist() == [2, 1, 3, 0, -1]
-    assert freq_hz[:2].tolist() == [903e6, 905e6]
-    assert outside.tolist() == [False, False, True, True, True]
+@pytest.mark.parametrize("cell", ["-0.1", "10.5", "1e300"])
+def test_a_number_that_a_column_cannot_hold_is_an_error_that_says_where(cell):
+    assert numbers(table(a=["0", "10", ""]), "a", within=(0.0, 10.0))[:2].tolist() == [0.0, 10.0]
+    with pytest.raises(ImportFormatError, match="0 to 10") as caught:
+        numbers(table(a=["1", cell]), "a", within=(0.0, 10.0))
+    assert caught.value.numbers == {"file": "log.csv", "column": "a", "row": 1}
 
 
-def test_channels_without_a_table_are_an_error_rather_than_a_guess():
-    with pytest.raises(ImportFormatError, match="table"):
-        channels(table(c=["1"]), "c", ())
+def test_a_fraction_where_only_integers_belong_is_an_error():
+    assert numbers(table(a=["3", "4.0"]), "a", whole=True).tolist() == [3.0, 4.0]
+    with pytest.raises(ImportFormatError, match="no integer"):
+        numbers(table(a=["3.14"]), "a", whole=True)
+
+
+@pytest.mark.parametrize("cell", ["-4", "0", "65536", "1.5", ""])
+def test_what_is_no_port_is_an_error_that_says_where(cell):
+    assert ports(table(a=["1", "65535"]), "a").tolist() == [1, 65535]
+    with pytest.raises(ImportFormatError) as caught:
+        ports(table(a=["1", cell]), "a")
+    assert caught.value.numbers == {"file": "log.csv", "column": "a", "row": 1}
+
+
+@pytest.mark.parametrize("cell", ["zzzz not hex", "0x30", "303", "30 08", "\u0663\u0660"])
+def test_what_is_no_hexadecimal_epc_is_an_error_that_says_where(cell):
+    assert epcs(table(a=["3008", " 30AB ", "", " "]), "a") == ["3008", "30ab", "", ""]
+    with pytest.raises(ImportFormatError) as caught:
+        epcs(table(a=["3008", cell]), "a")
+    assert caught.value.numbers == {"file": "log.csv", "column": "a", "row": 1}
+
+
+def test_a_folder_is_no_log_and_the_error_names_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ImportFormatError, match=r"^\.: cannot be read") as caught:
+        read_log(".")
+    assert caught.value.numbers["file"] == "."

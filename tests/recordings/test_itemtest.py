@@ -82,3 +82,23 @@ def test_frequencies_are_whole_hertz(tmp_path):
     trace = imported(tmp_path, COMMA.replace("927,25", "865,7"))
     assert trace.reads["freq_hz"].to_pylist()[0] == 865_700_000.0
     assert np.isfinite(trace.reads["freq_hz"].to_numpy()).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "cell", "column"),
+    [
+        ("3.7245", "370.7", "PhaseAngle"),
+        ("3.7245", "-0.1", "PhaseAngle"),
+        ("927.25", "927250", "Frequency"),
+        ("927.25", "0", "Frequency"),
+    ],
+)
+def test_a_value_in_some_other_unit_is_an_error_that_says_where(tmp_path, old, cell, column):
+    with pytest.raises(ImportFormatError) as caught:
+        imported(tmp_path, POINT.replace(old, cell))
+    assert (caught.value.numbers["column"], caught.value.numbers["row"]) == (column, 0)
+
+
+def test_a_full_turn_may_be_rounded_up(tmp_path):
+    (first, _) = imported(tmp_path, POINT.replace("3.7245", "6.2832")).reads["phase_rad"].to_pylist()
+    assert 0.0 <= first < 1e-4

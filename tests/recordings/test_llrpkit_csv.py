@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from rfcompass.errors import ImportFormatError
 from rfcompass.recordings import import_llrpkit
 
 TABLE_HZ = (915.25e6, 902.75e6)
@@ -37,3 +38,12 @@ def test_a_tag_that_was_reported_without_phase_is_dropped_and_counted(tmp_path):
     trace = import_llrpkit(tmp_path / "log.csv", frequencies_hz=TABLE_HZ)
     assert trace.reads["phase_rad"].to_pylist() == [math.pi / 2]
     assert '"no_phase": 1' in trace.meta.unknown_json
+
+
+@pytest.mark.parametrize("cell", ["360.1", "-0.1", "3072"])
+def test_a_phase_beyond_a_turn_is_an_error_rather_than_wrapped(tmp_path, cell):
+    header = "at,epc,antenna,rssi_dbm,phase_deg,doppler_hz,channel,tid,scheme,identity\n"
+    (tmp_path / "log.csv").write_text(f"{header}1,aa,1,-50.0,359.9,,1,,,\n2,aa,1,-50.0,{cell},,1,,,\n")
+    with pytest.raises(ImportFormatError) as caught:
+        import_llrpkit(tmp_path / "log.csv", frequencies_hz=TABLE_HZ)
+    assert (caught.value.numbers["column"], caught.value.numbers["row"]) == ("phase_deg", 1)

@@ -130,7 +130,16 @@ def test_meta_and_carriage_are_asked_for_when_they_are_known(tmp_path):
 
     record(Late(), tmp_path / "t", meta=meta, carriage=carriage)
     assert order == ["first read", "meta", "last read", "carriage"]
-    assert open_trace(tmp_path / "t").antenna_poses.positions_m.tolist() == [[1, 2, 3], [0, 0, 0]]
+    assert open_trace(tmp_path / "t").antenna_poses.positions_m.tolist() == [[1, 2, 3]]
+
+
+def test_reads_of_a_port_without_a_place_are_dropped_and_counted_rather_than_put_at_the_origin(tmp_path):
+    def of_port_2():
+        return StillAntennas({2: np.array([0.0, 0.0, 1.0])})
+
+    done = record(SequenceSource(some_reads(10)), tmp_path / "t", meta=META, carriage=of_port_2)
+    assert (done.reads, done.counts["dropped"]) == (5, {"no_place": 5})
+    assert open_trace(tmp_path / "t").antenna_poses.antennas.tolist() == [2]
 
 
 def test_reads_get_the_place_that_the_carrier_had_when_they_came(tmp_path):

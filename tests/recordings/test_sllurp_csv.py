@@ -54,3 +54,17 @@ def test_a_power_that_cannot_be_is_an_error_with_the_row_of_the_log(tmp_path):
     with pytest.raises(ImportFormatError) as caught:
         imported(tmp_path, HEADER + rows)
     assert (caught.value.numbers["column"], caught.value.numbers["row"]) == ("rssi_dbm", 2)
+
+
+@pytest.mark.parametrize("cell", ["4096", "-1", "3.14", "1e99"])
+def test_a_phase_that_is_no_code_is_an_error_rather_than_wrapped(tmp_path, cell):
+    with pytest.raises(ImportFormatError) as caught:
+        imported(tmp_path, f"{HEADER}1,1,-35,aa,4095,1,0\n2,1,-35,aa,{cell},1,0\n")
+    assert (caught.value.numbers["column"], caught.value.numbers["row"]) == ("phase_angle", 1)
+
+
+@pytest.mark.parametrize("index", [2**31, -(2**31) - 1, 2**62])
+def test_a_channel_of_any_size_is_outside_the_table(tmp_path, index):
+    trace = imported(tmp_path, f"{HEADER}1,1,-35,aa,0,{index},0\n2,1,-35,aa,0,1,0\n")
+    assert trace.reads["channel_index"].to_pylist() == [1]
+    assert '"channel_outside_table": 1' in trace.meta.unknown_json

@@ -85,6 +85,15 @@ def test_a_curve_has_no_legs(radius_m, angle_rad, seed):
     assert caught.value.numbers["bend_m"] > TOLERANCE_M
 
 
+def test_waiting_at_each_position_changes_neither_legs_nor_curves():
+    """As for a reader whose transmitters take turns at each place."""
+    square_m, _ = polygon([1.0, 1.0], [np.pi / 2])
+    once, twice = (straight_legs(path_m, TOLERANCE_M) for path_m in (square_m, np.repeat(square_m, 2, axis=0)))
+    assert [2 * len(leg) for leg in once] == pytest.approx([len(leg) for leg in twice], abs=2)
+    with pytest.raises(UnsuitablePath):
+        straight_legs(np.repeat(arc(0.5, np.pi), 2, axis=0), TOLERANCE_M)
+
+
 def test_a_step_aside_is_no_leg():
     positions_m = np.column_stack([np.linspace(0, 1, 26), np.zeros(26), np.zeros(26)])
     positions_m[12, 1] = 0.1

@@ -15,7 +15,6 @@ from rfcompass.simulation import (
     RIG_R420,
     SQUIGGLE,
     AntennaTrack,
-    Gen2Slots,
     NoiseModel,
     PlacedTags,
     RadioScene,
@@ -23,7 +22,6 @@ from rfcompass.simulation import (
     inventory_scan,
     simulate_inventory,
 )
-from rfcompass.simulation.gen2 import run_slots
 from rfcompass.types.scene import Scene
 
 FREE = RadioScene(Scene("free"))
@@ -162,16 +160,6 @@ def test_the_commercial_preset_scatters_as_the_recordings_do():
     gap = np.abs(np.angle(np.exp(1j * (turn[::2] - turn[1::2]))))
     assert np.mean(gap > np.pi / 2) == pytest.approx(0.18, abs=0.03)
     assert np.mean(gap > np.pi - 0.3) == pytest.approx(0.07, abs=0.02)
-
-
-def test_no_tag_answers_twice_in_one_round_and_reads_do_not_overlap():
-    T = 8
-    log = run_slots(
-        Gen2Slots(), np.array([0.0, 2.0]), np.zeros((1, T)), np.ones((1, T), bool), np.random.default_rng(0)
-    )
-    assert (np.diff(log.times_s) >= Gen2Slots().read_s - 1e-12).all()
-    rounds = log.tags[: T * (len(log.tags) // T)].reshape(-1, T)
-    assert all(sorted(one) == list(range(T)) for one in rounds.tolist())
 
 
 def test_a_scan_of_nothing_is_empty():

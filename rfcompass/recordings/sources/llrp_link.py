@@ -8,6 +8,7 @@ import socket
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 from llrpkit.constants import MESSAGE_HEADER_LEN
 from llrpkit.exceptions import LLRPError
@@ -44,7 +45,7 @@ class LlrpLink:
             self._socket = socket.create_connection((host, port), timeout=timeout_s)
         except OSError as cause:
             raise LinkLost(f"{host}:{port} cannot be reached: {cause}", **self._peer) from cause
-        self._heard_s = time.monotonic()
+        self._heard_s = self._emptied_s = time.monotonic()
         try:
             self._await_greeting()
         except BaseException:
@@ -56,11 +57,16 @@ class LlrpLink:
         """Time since the last byte from the reader [s]."""
         return time.monotonic() - self._heard_s
 
+    @property
+    def unread_s(self) -> float:
+        """Time since nothing was waiting: how old what `receive` takes next may be [s]."""
+        return time.monotonic() - self._emptied_s
+
     def receive(self, wait_s: float) -> Sequence[LLRPMessage]:
         """Take everything that has arrived; keep-alives are answered on the way.
 
         Args:
-            wait_s: How long to wait if nothing has [s].
+            wait_s: How long to wait if nothing has [s]; with 0, what has arrived is taken all the same.
 
         Returns:
             Messages in the order of their arrival, none if the time passed without any.
@@ -141,26 +147,27 @@ class LlrpLink:
 
     def _fill(self, wait_s: float) -> None:
         """Receive once, or until one whole frame is there; remember a fault for after the good frames."""
-        deadline_s = time.monotonic() + wait_s
-        while not self._arrived and self._fault is None:
-            left_s = deadline_s - time.monotonic()
-            if left_s <= 0:
-                return
+        deadline_s, left_s = time.monotonic() + wait_s, wait_s
+        while not self._arrived and self._fault is None and left_s >= 0.0:
             try:
                 self._socket.settimeout(left_s)
                 received = self._socket.recv(_RECEIVE_BYTES)
-            except TimeoutError:
+            except (TimeoutError, BlockingIOError):  # nothing came, or nothing was there and we were not to wait
+                self._emptied_s = time.monotonic()
                 return
             except OSError as cause:
                 self._fault = LinkLost(f"{self._name()} was lost: {cause}", **self._peer)
                 return
             self._accept(received)
+            left_s = deadline_s - time.monotonic()
 
     def _accept(self, received: bytes) -> None:
         if not received:
             self._fault = LinkLost(f"{self._name()} closed the connection", **self._peer)
             return
         self._heard_s = time.monotonic()
+        if len(received) < _RECEIVE_BYTES:
+            self._emptied_s = self._heard_s
         self._buffer += received
         try:
             self._split()
@@ -185,7 +192,9 @@ class LlrpLink:
     def _take(self, frame: bytes) -> None:
         message = self._decoded(frame)
         if isinstance(message, messages.KEEPALIVE):
-            self.send(messages.KEEPALIVE_ACK(), message.message_id)
+            # A reader that has hung up takes no answer, yet what it said before is still to be read.
+            with suppress(LinkLost):
+                self.send(messages.KEEPALIVE_ACK(), message.message_id)
         else:
             self._arrived.append(message)
 

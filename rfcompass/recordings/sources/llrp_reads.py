@@ -92,7 +92,7 @@ def read_of(report: params.TagReportData, frequencies_hz: tuple[float, ...], t_n
         phase_rad=fine.phase_rad,
         t_ns=t_ns,
         doppler_hz=fine.doppler_hz,
-        t_reader_us=_reader_clock_us(report),
+        t_reader_us=reader_clock_us(report),
         channel_index=None if report.channel_index is None else report.channel_index.channel_index,
     )
 
@@ -129,7 +129,7 @@ def _rssi_dbm(report: params.TagReportData, fine: _Fine) -> float | None:
     return float(report.peak_rssi.peak_rssi)
 
 
-def _reader_clock_us(report: params.TagReportData) -> int | None:
+def reader_clock_us(report: params.TagReportData) -> int | None:
     """When the reader last heard the tag: with one read in each report, the time of that read."""
     seen = report.last_seen_timestamp_utc or report.first_seen_timestamp_utc
     return None if seen is None else int(seen.microseconds)

@@ -11,9 +11,10 @@ from llrpkit.constants import LLRP_PORT
 from llrpkit.protocol import LLRPMessage, messages
 
 from rfcompass.errors import InputError, LinkLost, MalformedFrame, ReaderError
+from rfcompass.recordings.sources.arrival import ArrivalClock
 from rfcompass.recordings.sources.link_log import Gap, LinkLog
 from rfcompass.recordings.sources.llrp_link import LlrpLink
-from rfcompass.recordings.sources.llrp_reads import read_of
+from rfcompass.recordings.sources.llrp_reads import read_of, reader_clock_us
 from rfcompass.recordings.sources.llrp_session import (
     SILENCE_S,
     InventorySettings,
@@ -69,7 +70,8 @@ class LlrpSource:
     """A reader on the network as a `ReadSource`; it connects when it is iterated, and again after each loss.
 
     Frequencies come from the reader's own table. Each read carries both clocks, and pose 0: where the antenna was is
-    not the reader's business. One iteration at a time; what happened on the way is in `log`.
+    not the reader's business. One iteration at a time; what happened on the way is in `log`. A consumer may take its
+    time: reads wait for it, and get the host time of their arrival nevertheless (`ArrivalClock`).
 
     Attributes:
         host: Name or address of the reader.
@@ -96,6 +98,7 @@ class LlrpSource:
     log: LinkLog = field(default_factory=LinkLog, init=False)
     info: ReaderInfo | None = field(default=None, init=False)
     ended: str | None = field(default=None, init=False)
+    _arrivals: ArrivalClock = field(default_factory=ArrivalClock, init=False, repr=False)
     _heard_ns: int = field(default=0, init=False, repr=False)
     _kept: int = field(default=0, init=False, repr=False)
     _deadline_s: float | None = field(default=None, init=False, repr=False)
@@ -125,6 +128,7 @@ class LlrpSource:
             ReaderRefused: If the reader refuses at the start what we ask for.
         """
         self.log, self.ended, self._kept, self._deadline_s = LinkLog(), None, 0, None
+        self._arrivals = ArrivalClock()
         outage = _Outage(self.backoff)
         while not self._finished():
             try:
@@ -168,11 +172,14 @@ class LlrpSource:
         """Yield reads until it is time to end, then stop the reader and yield what was still on its way."""
         try:
             while not self._finished():
-                if batch := self._reads(link.receive(self._tick_s())):
+                unread_s = link.unread_s
+                arrived = link.receive(self._tick_s())
+                # Only now: while the consumer was busy it was not the reader that was silent.
+                if not arrived and link.silent_s > SILENCE_S:
+                    raise LinkLost(f"{self.host} has been silent for {link.silent_s:.1f} s", host=self.host)
+                if batch := self._reads(arrived, unread_s):
                     outage.attempts = 0
                     yield batch
-                if link.silent_s > SILENCE_S:
-                    raise LinkLost(f"{self.host} has been silent for {link.silent_s:.1f} s", host=self.host)
         except GeneratorExit:  # the consumer has gone
             try_to_stop(link)
             raise
@@ -180,36 +187,39 @@ class LlrpSource:
 
     def _farewell(self, link: LlrpLink) -> Iterator[Sequence[TagRead]]:
         """Stop the reader; a reader that is lost now has no more to say than what has arrived."""
+        unread_s = link.unread_s
         try:
             stop_inventory(link)
         except ReaderError as error:
             _log.info("the reader was not stopped: %s", error.message)
         try:
             while messages_left := link.receive(0.0):
-                if batch := self._reads(messages_left):
+                if batch := self._reads(messages_left, unread_s):
                     yield batch
+                unread_s = link.unread_s
         except LinkLost:
             return
 
-    def _reads(self, arrived: Sequence[LLRPMessage]) -> Sequence[TagRead]:
+    def _reads(self, arrived: Sequence[LLRPMessage], unread_s: float) -> Sequence[TagRead]:
         now_ns, reads = self.clock_ns(), list[TagRead]()
         self._heard_ns = now_ns if arrived else self._heard_ns
         for message in arrived:
             if isinstance(message, messages.RO_ACCESS_REPORT):
-                reads += self._kept_reads(message, now_ns)
+                reads += self._kept_reads(message, now_ns, unread_s)
             elif isinstance(message, messages.READER_EVENT_NOTIFICATION):
                 event = message.reader_event_notification_data
                 self.log.reader_overflows += event.report_buffer_overflow_error_event is not None
         self._kept += len(reads)
         return reads
 
-    def _kept_reads(self, message: messages.RO_ACCESS_REPORT, now_ns: int) -> list[TagRead]:
+    def _kept_reads(self, message: messages.RO_ACCESS_REPORT, now_ns: int, unread_s: float) -> list[TagRead]:
         reads, frequencies_hz = [], self.info.frequencies_hz if self.info is not None else ()
         for report in message.tag_report_datas:
             self.log.received += 1
             if report.tag_seen_count is not None:
                 self.log.merged_reads += max(report.tag_seen_count.tag_count - 1, 0)
-            read = read_of(report, frequencies_hz, now_ns)
+            t_ns = self._arrivals.arrival_ns(reader_clock_us(report), now_ns, unread_s)
+            read = read_of(report, frequencies_hz, t_ns)
             if isinstance(read, str):
                 self.log.dropped[read] += 1
             else:

@@ -1,6 +1,8 @@
 """Frames in, frames out: what arrives whole is kept, what is broken is a typed error, nothing hangs."""
 
 import socket
+import struct
+import threading
 import time
 
 import pytest
@@ -34,7 +36,11 @@ def header(kind, length):
 
 def received(port):
     """Everything that arrives, and the error that ends it."""
-    link, taken = LlrpLink("127.0.0.1", port, 2.0), []
+    return rest_of(LlrpLink("127.0.0.1", port, 2.0))
+
+
+def rest_of(link):
+    taken = []
     try:
         while True:
             taken += link.receive(2.0)
@@ -182,3 +188,52 @@ def test_keep_alives_are_answered_and_not_handed_out():
         taken, _ = received(port)
     assert len(taken) == 1
     assert answers == [messages.KEEPALIVE_ACK().to_bytes(message_id=77)]
+
+
+def test_what_has_arrived_is_taken_without_waiting():
+    with scripted_reader(says_in_two) as port:
+        link = LlrpLink("127.0.0.1", port, 2.0)
+        assert link.receive(0.0) == ()
+        link.send(messages.KEEPALIVE_ACK())
+        time.sleep(0.3)
+        assert len(link.receive(0.0)) == 1
+        link.close()
+
+
+def says_in_two(connection, _):
+    """Greet, and report once something was said."""
+    connection.sendall(greeting())
+    connection.recv(1000)
+    connection.sendall(report(1))
+    connection.recv(1)
+
+
+def test_what_a_reader_said_before_it_hung_up_is_read_though_its_keep_alives_can_no_longer_be_answered():
+    keep_alive = messages.KEEPALIVE().to_bytes(message_id=77)
+    gone = threading.Event()
+
+    def script(connection, _):
+        connection.sendall(greeting())
+        connection.recv(1000)
+        connection.sendall(report(1) + b"".join(keep_alive + report(k) for k in range(2, 200)))
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # hang up with a reset
+        connection.close()
+        gone.set()
+
+    with scripted_reader(script) as port:
+        link = LlrpLink("127.0.0.1", port, 2.0)
+        link.send(messages.KEEPALIVE_ACK())
+        assert gone.wait(5.0)
+        time.sleep(0.1)
+        taken, _ = rest_of(link)
+    assert len(taken) == 199
+
+
+def test_what_may_have_been_waiting_is_told_by_the_time_since_nothing_was():
+    with scripted_reader(says_in_two) as port:
+        link = LlrpLink("127.0.0.1", port, 2.0)
+        time.sleep(0.2)
+        assert link.unread_s >= 0.2
+        assert link.receive(0.0) == ()
+        assert link.unread_s < 0.1
+        link.close()

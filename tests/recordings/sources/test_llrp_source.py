@@ -1,5 +1,6 @@
 """Over TCP, from the emulated reader to us: nothing lost, nothing twice, and a lost reader is come back to."""
 
+import dataclasses
 import math
 import threading
 import time
@@ -275,6 +276,45 @@ def test_a_reader_that_falls_silent_is_come_back_to(made_up_reads, monkeypatch):
     assert ticks(heard) == ticks(reads)
     assert source.counts()["reconnects"] >= 1
     assert "silent" in source.log.gaps[0].reason
+
+
+def test_a_consumer_that_is_busy_for_longer_than_silence_may_last_loses_no_read(made_up_reads, monkeypatch):
+    monkeypatch.setattr(module, "SILENCE_S", 0.3)
+    reads = made_up_reads(3000)
+    with emulated(reads) as reader:
+        source, heard = LlrpSource(reader.host, reader.port, max_reads=len(reads), duration_s=20.0, backoff=QUICK), []
+        for number, batch in enumerate(source):
+            heard += batch
+            if number == 0:
+                time.sleep(0.8)
+    assert ticks(heard) == ticks(reads)
+    assert (source.counts()["gap_count"], source.ended) == (0, "reads")
+
+
+def test_a_consumer_that_is_busy_until_the_recording_ends_loses_no_read(made_up_reads):
+    reads = made_up_reads(2000)
+    with emulated(reads) as reader:
+        source, heard = LlrpSource(reader.host, reader.port, duration_s=0.6, backoff=QUICK), []
+        for batch in source:
+            if not heard:
+                time.sleep(0.8)
+            heard += batch
+    assert (ticks(heard), source.ended) == (ticks(reads), "duration")
+
+
+def test_reads_that_waited_for_a_busy_consumer_get_the_time_at_which_they_arrived(made_up_reads):
+    # Without a clock of their own the emulated reader stamps reads with the host's as they leave.
+    reads = [dataclasses.replace(read, t_reader_us=None) for read in made_up_reads(300)]
+    with EmulatedReader(SequenceSource(reads, pace=Pace(reads_per_s=300.0))) as reader:
+        source, heard = LlrpSource(reader.host, reader.port, max_reads=300, duration_s=20.0, backoff=QUICK), []
+        for number, batch in enumerate(source):
+            heard += batch
+            if number == 3:
+                time.sleep(0.6)
+    late_s = [read.t_ns / 1e9 - read.t_reader_us / 1e6 for read in heard]
+    assert len(late_s) == 300
+    # The last offset was measured within 20 ms and the delay of that one batch; a busy machine may add some.
+    assert max(late_s) < 0.2
 
 
 def test_a_power_that_the_reader_cannot_give_is_refused_with_those_that_it_can(made_up_reads):

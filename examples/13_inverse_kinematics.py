@@ -24,7 +24,7 @@ DOWN, FORE_AFT, SIDEWAYS = np.array([0, 0, -1.0]), np.array([1.0, 0, 0]), np.arr
 HAND = ("gripper_palm_link", "gripper_finger_link_l", "gripper_finger_link_r", "floor")
 
 
-def main(fast: bool = False, out: Path = Path("runs/09_grasp")) -> float:
+def main(fast: bool = False, out: Path = Path("runs/13_grasp")) -> float:
     """Grasp, lift, fail and drive; return the probability that the far leg is in reach from the best place."""
     robot, leg = YouBot(), PartDatabase().part("table_leg_3")
     scan = robot.posture("scan")

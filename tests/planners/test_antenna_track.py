@@ -1,0 +1,44 @@
+"""Two legs at right angles, at their distance from the part, and inside what the carrier may drive."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planners.antenna_track import LEAST_LEG_M, NearTrack
+from rfcompass.errors import OutOfReach
+
+TRACK = NearTrack()
+
+
+def foot_m(part_m, leg_m):
+    """Distance of a place from the line through a leg [m]."""
+    along = (leg_m[1] - leg_m[0])[:2] / np.linalg.norm((leg_m[1] - leg_m[0])[:2])
+    away = part_m - leg_m[0, :2]
+    return abs(along[0] * away[1] - along[1] * away[0])
+
+
+@given(x_m=st.floats(1.7, 4.3), y_m=st.floats(1.7, 3.3))
+def test_every_part_in_the_middle_of_the_room_gets_two_whole_legs(x_m, y_m):
+    part_m = np.array([x_m, y_m])
+    legs_m = TRACK.legs_m(part_m)
+    assert legs_m.shape == (2, 2, 3)
+    for leg_m in legs_m:
+        assert foot_m(part_m, leg_m) == pytest.approx(TRACK.stand_off_m)
+        assert np.linalg.norm(leg_m[1] - leg_m[0]) == pytest.approx(TRACK.length_m)
+        assert (leg_m[:, :2] >= np.array(TRACK.low_m) - 1e-9).all()
+        assert (leg_m[:, :2] <= np.array(TRACK.high_m) + 1e-9).all()
+    one, other = legs_m[0, 1] - legs_m[0, 0], legs_m[1, 1] - legs_m[1, 0]
+    assert one @ other == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_legs_keep_to_the_side_that_has_room():
+    near_corner = TRACK.legs_m(np.array([0.9, 0.9]))
+    assert near_corner[0, 0, 1] == pytest.approx(2.1)
+    assert near_corner[1, 0, 0] == pytest.approx(2.1)
+
+
+def test_a_closet_has_no_room():
+    with pytest.raises(OutOfReach) as refused:
+        NearTrack(low_m=(0.0, 0.0), high_m=(2.0, 2.0)).legs_m(np.array([1.0, 1.0]))
+    assert refused.value.numbers["longest_m"] < LEAST_LEG_M
