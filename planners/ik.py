@@ -95,7 +95,8 @@ class InverseKinematics:
 
     Raises:
         RobotModelError: If the description names no tool.
-        ValueError: If only the closed form may be used, and the arm has none.
+        ValueError: If only the closed form may be used, and the arm has none; or the model is of another robot, or
+            comes beside a world.
     """
 
     robot: Robot
@@ -105,6 +106,10 @@ class InverseKinematics:
 
     def __post_init__(self) -> None:
         """Read the arm and the solids."""
+        if self.model is not None and (
+            self.world is not None or self.model.robot.joint_names != self.robot.joint_names
+        ):
+            raise ValueError("a model comes in place of a world, and with the same robot")
         self._model = self.model or CollisionModel(self.robot, self.world or World())
         self._quick = QuickCollisions(self._model)
         self._arm = read_planar_arm(self.robot, soft=self.rules.soft_limits)
@@ -216,14 +221,14 @@ class InverseKinematics:
         for tries, configuration in enumerate(found, start=1):
             if (solution := self._accept(task, configuration, "closed_form", tries)) is not None:
                 return solution
-        if found and (not _is_family(task) or self.rules.method == "closed_form"):
+        if _is_family(task) and self.rules.method == "auto":
+            return self._optimise(task, present, base_free=False)
+        if found:
             return self._all_touch(task, found)
         if (status == BEYOND_LIMIT).any():
             least = np.where(status == BEYOND_LIMIT, beyond, np.inf).argmin()
             name = self.robot.arm_joints[int(joint.flat[least])]
             return joint_limit(task, [(name, float(beyond.flat[least]))])
-        if _is_family(task) and self.rules.method == "auto":
-            return self._optimise(task, present, base_free=False)
         return self._too_far(task, present)
 
     def _too_far(self, task: GraspTask, present: Configuration) -> Failure:

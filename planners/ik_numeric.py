@@ -18,7 +18,7 @@ from rfcompass.types.world import WORLD
 # Ours. How the links' spheres grow from those inside (0) to those that cover them (1), start after start.
 _SIZES = (0.5, 0.0, 1.0)
 # How far the base may drive in one go [m], and how heavy a metre or a radian of it is beside a radian of a joint.
-_DRIVE_M, _BASE_PULL = 3.0, 4.0
+_DRIVE_M, _BASE_PULL = 20.0, 4.0
 # Newton: steps at most, the residual at which it is done, and the one from which it does not start [m]; the smallest
 # singular value that counts, relative to the largest.
 _NEWTON_STEPS = 40

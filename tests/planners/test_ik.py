@@ -263,6 +263,21 @@ def test_an_elbow_in_the_way_of_a_post_is_moved_out_of_it():
     check(task, answer, world)
 
 
+def test_a_family_whose_listed_answers_all_touch_something_goes_through_the_optimisation(monkeypatch):
+    ik, task = solver(), GraspTask([0.45, 0.1, 0.25])
+    accept = ik._accept
+    monkeypatch.setattr(ik, "_accept", lambda *args: None if args[2] == "closed_form" else accept(*args))
+    answer = ik.solve(task, SCAN)
+    assert isinstance(answer, Solution)
+    assert answer.method == "sqp"
+    assert ik.solve(TOP_DOWN, SCAN).kind in ("scene_collision", "self_collision")  # no family: the list is all there is
+
+
+def test_a_model_comes_in_place_of_a_world():
+    with pytest.raises(ValueError, match="place"):
+        InverseKinematics(ROBOT, World(), model=CollisionModel(ROBOT))
+
+
 def test_a_robot_inside_an_obstacle_gets_a_typed_answer():
     cage = World((Body("block", Box(np.array([2.0, 2.0, 2.0])), at(0, 0, 1)),))
     for base_free in (False, True):
