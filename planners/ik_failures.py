@@ -27,7 +27,7 @@ def unreachable(task: GraspTask, nearest: "pin.SE3", error: tuple[float, float])
         f"m, {error[0] * 1e3:.1f} mm and {np.rad2deg(error[1]):.1f} degrees off"
     )
     numbers: dict[str, float | str] = {
-        "nearest_x_m": x, "nearest_y_m": y, "nearest_z_m": z, "position_error_m": error[0], "angle_error_rad": error[1],
+        "nearest_x_m": x, "nearest_y_m": y, "nearest_z_m": z, "residual_m": error[0], "residual_rad": error[1],
     }  # fmt: skip
     for name, row in zip(("roll", "pitch", "yaw"), pin.rpy.matrixToRpy(nearest.rotation), strict=True):
         numbers[f"nearest_{name}_rad"] = float(row)

@@ -77,8 +77,8 @@ class Solution(Record):
     Attributes:
         configuration: Joints, and the base pose to drive to, in the present base frame; the identity if it stays.
         method: `"closed_form"`, `"sqp"` or `"ipopt"`.
-        position_error_m: Distance between tool and task [m], by pinocchio.
-        angle_error_rad: Largest angle between an axis of the tool and the task's [rad], by pinocchio.
+        residual_m: Distance between tool and task [m], by pinocchio.
+        residual_rad: Largest angle between an axis of the tool and the task's [rad], by pinocchio.
         at_limit: Joints that stand at one of their limits.
         clearance: Nearest pair that must not touch; None where nothing can touch.
         tries: Starts, or branches, that were needed.
@@ -87,8 +87,8 @@ class Solution(Record):
 
     configuration: Configuration
     method: str
-    position_error_m: float
-    angle_error_rad: float
+    residual_m: float
+    residual_rad: float
     at_limit: tuple[str, ...] = ()
     clearance: Clearance | None = None
     tries: int = 1
