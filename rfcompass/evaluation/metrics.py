@@ -41,7 +41,7 @@ class JudgedComparisons:
         return JudgedComparisons(self.correct[inside], self.gap_m[inside])
 
 
-def residual_m(estimates_m: npt.ArrayLike, truth_m: npt.ArrayLike) -> FloatArray:
+def position_error_m(estimates_m: npt.ArrayLike, truth_m: npt.ArrayLike) -> FloatArray:
     """Distance between estimate and truth [m], shape (...).
 
     Args:
@@ -52,7 +52,7 @@ def residual_m(estimates_m: npt.ArrayLike, truth_m: npt.ArrayLike) -> FloatArray
     return np.asarray(np.linalg.norm(difference, axis=-1))
 
 
-def residual_rad(estimates_rad: npt.ArrayLike, truth_rad: npt.ArrayLike, symmetry: int = 1) -> FloatArray:
+def angle_error_rad(estimates_rad: npt.ArrayLike, truth_rad: npt.ArrayLike, symmetry: int = 1) -> FloatArray:
     """Size of the smallest turn between estimate and truth [rad], in [0, π / symmetry].
 
     Args:
@@ -106,7 +106,7 @@ def triplet_comparisons(
         return JudgedComparisons(np.zeros(0, dtype=np.bool_), np.zeros(0))
     proximity = proximity[np.ix_(known, known)]
     p = np.array([positions_m[epcs[k]] for k in known], dtype=np.float64)
-    distance = residual_m(p[:, None, :], p[None, :, :])
+    distance = position_error_m(p[:, None, :], p[None, :, :])
     i, j = np.triu_indices(len(known), 1)
     a = np.arange(len(known))[:, None]
     return _judge(proximity[:, i] - proximity[:, j], distance[:, i] - distance[:, j], asked=(a != i) & (a != j))

@@ -13,7 +13,7 @@ import numpy as np
 
 from planners.antenna_track import NearTrack
 from rfcompass.errors import NoAnswer
-from rfcompass.evaluation.metrics import residual_rad
+from rfcompass.evaluation.metrics import angle_error_rad
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, ProximityMeter
@@ -130,7 +130,7 @@ def judged(method: str, observations: Sequence[Observation], truth: Pose2, count
     theta_rad = estimate.theta_rad
     found: dict[str, MetricValue] = {f"{method}_centre_{count}_m": off_m}
     if theta_rad is not None:
-        found[f"{method}_theta_{count}_rad"] = float(np.asarray(residual_rad(theta_rad, truth.theta_rad)))
+        found[f"{method}_theta_{count}_rad"] = float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad)))
     if method == "posterior":
         posterior = PosteriorLocalizer().infer(observations).posterior
         found[f"held_{count}"] = posterior.level(truth) <= REGION

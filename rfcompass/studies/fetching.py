@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from planners.fetch import Fetch, FetchRules, FetchStep
-from rfcompass.evaluation.metrics import residual_rad, residual_m
+from rfcompass.evaluation.metrics import angle_error_rad, position_error_m
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, ProximityMeter
 from rfcompass.robots import Robot
@@ -103,8 +103,8 @@ class SimulatedFetch:
             theta_rad = step.estimate.theta_rad
             yield JudgedStep(
                 step,
-                float(residual_m(step.estimate.centre_m, truth.translation_m)),
-                None if theta_rad is None else float(np.asarray(residual_rad(theta_rad, truth.theta_rad))),
+                float(position_error_m(step.estimate.centre_m, truth.translation_m)),
+                None if theta_rad is None else float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad))),
                 self._device.true_pose_in_room(),
             )
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import StudyError
-from rfcompass.evaluation.metrics import order_comparisons, residual_m, triplet_comparisons
+from rfcompass.evaluation.metrics import order_comparisons, position_error_m, triplet_comparisons
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.localization import survey
 from rfcompass.recordings import open_trace
@@ -87,7 +87,7 @@ def survey_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str
     return {
         "sweep": name,
         "x_error_m": np.abs(found[:, 0] - tape[:, 0]).tolist(),
-        "plane_error_m": residual_m(found[:, :2], tape[:, :2]).tolist() if range_is_observable else None,
+        "plane_error_m": position_error_m(found[:, :2], tape[:, :2]).tolist() if range_is_observable else None,
         "x_order": order_comparisons(found[:, 0], tape[:, 0]).correct.tolist() if len(fixes) > 1 else None,
         "not_located": float(len(truth) - len(fixes)),
     }

@@ -12,7 +12,7 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import NoAnswer
-from rfcompass.evaluation.metrics import residual_rad
+from rfcompass.evaluation.metrics import angle_error_rad
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.localization import (
@@ -168,7 +168,7 @@ def _judged(method: str, measured: Measured, truth: Pose2, count: int) -> Mappin
     except NoAnswer:
         return dict.fromkeys(names)
     off_m = float(np.linalg.norm(centre_m - truth.translation_m))
-    off_rad = None if theta_rad is None else float(residual_rad([theta_rad], truth.theta_rad)[0])
+    off_rad = None if theta_rad is None else float(angle_error_rad([theta_rad], truth.theta_rad)[0])
     return dict(zip(names, (off_m, off_rad), strict=True))
 
 
