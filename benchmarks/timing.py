@@ -39,8 +39,12 @@ class Timing:
 
     def cells(self) -> tuple[str, ...]:
         """Name, our time, peer, its time, ratio and agreement as text."""
-        times = f"{self.ours_s * 1e3:.1f} ms", self.peer, f"{self.peer_s * 1e3:.1f} ms"
+        times = _shown(self.ours_s), self.peer, _shown(self.peer_s)
         return self.name, *times, f"{self.ratio:.1f}x", f"{self.agreement:.0e}"
+
+
+def _shown(seconds: float) -> str:
+    return f"{seconds * 1e3:.1f} ms" if seconds >= 1e-3 else f"{seconds * 1e6:.1f} us"
 
 
 def best_of(repeats: int, compute: Callable[[], Answer]) -> tuple[float, Answer]:

@@ -16,6 +16,7 @@ from rfcompass.cli.output import messages
 from rfcompass.cli.partition import partition
 from rfcompass.cli.parts import parts_app
 from rfcompass.cli.proximity import proximity
+from rfcompass.cli.reach import reach_command
 from rfcompass.cli.record import record_command
 from rfcompass.cli.robots import robots_app
 from rfcompass.cli.study import study_app
@@ -39,6 +40,7 @@ app.command("partition")(partition)
 app.command("record")(record_command)
 app.command("import")(import_recording)
 app.command("layout")(layout_command)
+app.command("reach")(reach_command)
 app.add_typer(parts_app, name="parts")
 app.add_typer(robots_app, name="robots")
 app.add_typer(study_app, name="study")

@@ -10,9 +10,11 @@ from rfcompass.lazy import lazy_names
 if TYPE_CHECKING:
     from rfcompass.robots.checks import RobotReport as RobotReport
     from rfcompass.robots.checks import check_urdf as check_urdf
+    from rfcompass.robots.collision_model import CollisionModel as CollisionModel
     from rfcompass.robots.defect import Defect as Defect
     from rfcompass.robots.description import RobotDescription as RobotDescription
     from rfcompass.robots.description import Tool as Tool
+    from rfcompass.robots.fcl_collisions import FclCollisions as FclCollisions
     from rfcompass.robots.layouts import known_layouts as known_layouts
     from rfcompass.robots.layouts import load_layout as load_layout
     from rfcompass.robots.layouts import write_layout as write_layout
@@ -24,20 +26,26 @@ if TYPE_CHECKING:
     from rfcompass.robots.mounts import MountPatch as MountPatch
     from rfcompass.robots.mounts import Mounts as Mounts
     from rfcompass.robots.mounts import load_mounts as load_mounts
+    from rfcompass.robots.quick_collisions import QuickCollisions as QuickCollisions
     from rfcompass.robots.robot import Robot as Robot
     from rfcompass.robots.tagging import tag_urdf as tag_urdf
+    from rfcompass.robots.touching_links import always_touching as always_touching
     from rfcompass.robots.youbot import YouBot as YouBot
 
 _HOME = {
+    "CollisionModel": "collision_model",
     "Defect": "defect",
+    "FclCollisions": "fcl_collisions",
     "JointLimits": "limits",
     "MountPatch": "mounts",
     "Mounts": "mounts",
+    "QuickCollisions": "quick_collisions",
     "Robot": "robot",
     "RobotDescription": "description",
     "RobotReport": "checks",
     "Tool": "description",
     "YouBot": "youbot",
+    "always_touching": "touching_links",
     "check_urdf": "checks",
     "describe_robot": "library",
     "described_robots": "library",
@@ -51,15 +59,19 @@ _HOME = {
 }
 
 __all__ = [
+    "CollisionModel",
     "Defect",
+    "FclCollisions",
     "JointLimits",
     "MountPatch",
     "Mounts",
+    "QuickCollisions",
     "Robot",
     "RobotDescription",
     "RobotReport",
     "Tool",
     "YouBot",
+    "always_touching",
     "check_urdf",
     "describe_robot",
     "described_robots",

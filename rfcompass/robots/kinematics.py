@@ -37,7 +37,7 @@ class Kinematics:
         if base.parentJoint != 0:
             message = f"base frame {self.base_frame!r} moves with joint {self.model.names[base.parentJoint]!r}"
             raise RobotModelError(message, frame=self.base_frame)
-        self._T_base_root = base.placement.inverse()
+        self.T_base_root = base.placement.inverse()
         self.joint_map = read_joint_map(urdf, list(self.model.names)[1:])
         self._scratch = threading.local()
 
@@ -71,15 +71,15 @@ class Kinematics:
     def poses(self, joints: FloatArray, frame_ids: list[int]) -> "list[pin.SE3]":
         """Poses `T_base_link` of some frames, by their numbers; joints (Q,)."""
         data = self._data
-        pin.framesForwardKinematics(self.model, data, self._q(joints))
-        return [self._T_base_root * data.oMf[i] for i in frame_ids]
+        pin.framesForwardKinematics(self.model, data, self.model_q(joints))
+        return [self.T_base_root * data.oMf[i] for i in frame_ids]
 
     def point_jacobians(self, joints: FloatArray, frame_ids: list[int]) -> FloatArray:
         """Derivatives of the frames' origins in the base frame by the joint values, shape (F, 3, Q); joints (Q,)."""
-        q, J = self._q(joints), np.zeros((len(frame_ids), 3, self.model.nv))
+        q, J = self.model_q(joints), np.zeros((len(frame_ids), 3, self.model.nv))
         if not q.size:  # pinocchio crashes on a robot that cannot move
             return J
-        data, R = self._data, self._T_base_root.rotation
+        data, R = self._data, self.T_base_root.rotation
         pin.computeJointJacobians(self.model, data, q)
         world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         for row, i in enumerate(frame_ids):
@@ -98,7 +98,7 @@ class Kinematics:
 
     def _rooted(self, parent: int, placement: "pin.SE3") -> "pin.SE3":
         """What hangs on the root is given in the base frame."""
-        return placement if parent else self._T_base_root * placement
+        return placement if parent else self.T_base_root * placement
 
     @property
     def _data(self) -> Any:  # noqa: ANN401 - pinocchio has no types
@@ -114,8 +114,8 @@ class Kinematics:
         places = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         return places, np.flatnonzero([joint.nq == 2 for joint in joints])
 
-    def _q(self, joints: FloatArray) -> FloatArray:
-        """Pinocchio's q, in which a continuous joint is (cos, sin)."""
+    def model_q(self, joints: FloatArray) -> FloatArray:
+        """Pinocchio's q, in which a continuous joint is (cos, sin); joints (Q,)."""
         positions = self.joint_map.positions(read_only(joints, "joints", (len(self.joint_names),)))
         places, endless = self._q_index
         q = np.empty(self.model.nq)

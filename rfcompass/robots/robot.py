@@ -16,7 +16,7 @@ from rfcompass.geometry.pose2 import Pose2
 from rfcompass.robots.description import RobotDescription, Tool
 from rfcompass.robots.kinematics import Kinematics
 from rfcompass.robots.limits import JointLimits, read_limits
-from rfcompass.robots.shapes import LinkShape, read_visuals
+from rfcompass.robots.shapes import LinkShape, read_collisions, read_visuals
 from rfcompass.robots.tagging import tag_links, with_tags
 from rfcompass.robots.urdf_xml import read_urdf
 from rfcompass.types.configuration import Configuration
@@ -202,6 +202,21 @@ class Robot:
         poses = self.kinematics.poses(configuration.joints, [self.kinematics.frame_id(link) for link in links])
         T_world = {link: T_world_base @ T.homogeneous for link, T in zip(links, poses, strict=True)}
         return tuple(shape.placed(T_world[shape.link]) for shape in self._shapes)
+
+    @cached_property
+    def collision_shapes(self) -> tuple[LinkShape, ...]:
+        """All shapes that bump into things, in their links.
+
+        Raises:
+            RobotModelError: If a mesh is missing.
+        """
+        return read_collisions(self._urdf, self.description.urdf, self.description.package_dirs)
+
+    @property
+    def tag_shapes(self) -> tuple[LinkShape, ...]:
+        """The tags as solid bodies, in their links: for checks in which a tag must not be bent."""
+        links = set(tag_links(self.layout))
+        return tuple(shape for shape in self._shapes if shape.link in links)
 
     def _joints(self, configuration: Configuration) -> FloatArray:
         return read_only(configuration.joints, f"joints of {self.name}", (len(self.joint_names),))

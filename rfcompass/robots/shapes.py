@@ -1,4 +1,4 @@
-"""The visible shapes of a URDF, read without loading a mesh."""
+"""The visible and the solid shapes of a URDF, read without loading a mesh."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -47,6 +47,24 @@ def read_visuals(root: Element, urdf: Path, package_dirs: Sequence[Path]) -> tup
         for visual in link.findall("visual")
         if (shape := _read_shape(link.get("name", ""), visual, colours, (urdf, package_dirs))) is not None
     )
+
+
+def read_collisions(root: Element, urdf: Path, package_dirs: Sequence[Path]) -> tuple[LinkShape, ...]:
+    """Read every collision shape of a robot; a mesh that is nowhere is an error, since nobody would miss it.
+
+    Raises:
+        RobotModelError: If a size or pose is no number, or a mesh is missing; names link and file.
+    """
+    shapes = []
+    for link in root.findall("link"):
+        name = link.get("name", "")
+        for solid in link.findall("collision"):
+            if (shape := _read_shape(name, solid, {}, (urdf, package_dirs))) is None:
+                mesh = None if (element := solid.find("geometry/mesh")) is None else element.get("filename")
+                message = f"link {name!r}: its collision shape is missing: {mesh or 'no geometry'}"
+                raise RobotModelError(message, link=name, file=mesh)
+            shapes.append(shape)
+    return tuple(shapes)
 
 
 def _read_shape(

@@ -5,6 +5,7 @@ from rfcompass.types.configuration import Configuration
 from rfcompass.types.epc import canonical_epc
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.fixes import TagFix
+from rfcompass.types.grasp_task import GraspTask, Solution
 from rfcompass.types.grasps import Failure, GraspCandidate, GraspOutcome, GraspPlan, ReachMap, RunEvent, RunLog
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Assembly, Part, StablePose, TagSelection
@@ -15,11 +16,14 @@ from rfcompass.types.reads import ReadTrace, Scan, TagRead
 from rfcompass.types.shapes import Box, Cylinder, Mesh, Sphere
 from rfcompass.types.tags import ROLES, TagLayout, TagPositions
 from rfcompass.types.volumes import SearchVolume
+from rfcompass.types.world import Body, Clearance, World, world_of_scene
 
 __all__ = [
     "ROLES",
     "Assembly",
+    "Body",
     "Box",
+    "Clearance",
     "Comparisons",
     "Configuration",
     "Cylinder",
@@ -29,6 +33,7 @@ __all__ = [
     "GraspCandidate",
     "GraspOutcome",
     "GraspPlan",
+    "GraspTask",
     "HalfSpaces",
     "InstanceMasks",
     "Mesh",
@@ -43,6 +48,7 @@ __all__ = [
     "RunLog",
     "Scan",
     "SearchVolume",
+    "Solution",
     "Sphere",
     "StablePose",
     "TagFix",
@@ -51,5 +57,7 @@ __all__ = [
     "TagRead",
     "TagSelection",
     "VoxelGrid",
+    "World",
     "canonical_epc",
+    "world_of_scene",
 ]

@@ -11,6 +11,7 @@ from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError
 from rfcompass.geometry.pose2 import Pose2, as_pose2
 from rfcompass.types.estimate import PartEstimate
+from rfcompass.types.grasps import ReachMap
 from rfcompass.types.parts import Part
 from rfcompass.types.placed_shape import PlacedShape
 from rfcompass.viz.meshcat_page import RecordingWindow
@@ -82,6 +83,18 @@ class RobotScene:
         points = np.column_stack([points_m, np.full(len(points_m), 0.01)]).astype(np.float32)
         line = shapes.Line(shapes.PointsGeometry(points.T), shapes.LineBasicMaterial(color=PATH_COLOUR, linewidth=3))
         self._root["path"][name].set_object(line)
+
+    def draw_reach(self, reach_map: ReachMap, T_world_base: Pose2) -> None:
+        """Draw what an arm reaches: a point in each voxel that it reaches, red (few directions) to green (all)."""
+        voxels = np.argwhere(reach_map.reachable)
+        share = reach_map.share[tuple(voxels.T)]
+        points_m = reach_map.origin_m + reach_map.spacing_m * voxels
+        colours = np.column_stack([1 - share, share, np.full(len(share), 0.2)])
+        cloud = shapes.PointCloud(
+            points_m.T.astype(np.float32), colours.T.astype(np.float32), size=reach_map.spacing_m / 3
+        )
+        self._root["reach"].set_object(cloud)
+        self._root["reach"].set_transform(_lifted(T_world_base, 0.0))
 
     def draw_estimate(self, estimate: PartEstimate, T_world_base: Pose2, part: Part, tags_m: FloatArray) -> None:
         """Draw region and part of an estimate that is given in a base frame."""

@@ -10,11 +10,14 @@ from matplotlib.figure import Figure
 from rfcompass.geometry import Pose2
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import YouBot
-from rfcompass.types import PartEstimate, TagFix
+from rfcompass.types import PartEstimate, ReachMap, TagFix
 from rfcompass.viz.meshcat_page import RecordingWindow, scene_html, write_scene
 from rfcompass.viz.page import PageFigure, PageTable, page_html, write_page
 from rfcompass.viz.robot_scene import RobotScene
 from rfcompass.viz.sweep_figures import draw_survey
+
+SHARE = np.array([0.0, 0.5, 1.0, 0.0]).reshape(2, 2, 1)
+REACH = ReachMap(np.array([0.3, 0.0, 0.1]), 0.1, SHARE)
 
 
 def a_figure():
@@ -30,6 +33,7 @@ def a_scene():
     region = np.array([[0.5, -0.1], [0.7, -0.1], [0.7, 0.1]])
     estimate = PartEstimate(leg.part_id, np.array([0.6, 0.0]), 0.3, "partition", 1, region_m=region)
     scene.draw_estimate(estimate, Pose2(1.0, 0.0, 0.0), leg, leg.layout(4).points_m)
+    scene.draw_reach(REACH, Pose2(1.0, 0.0, 0.5))
     scene.draw_path("base", np.array([[0.0, 0.0], [1.0, 0.0]]))
     return scene.window
 
@@ -65,6 +69,18 @@ def test_objects_are_numbered_in_order_of_appearance():
     drawn = window.commands[0]["object"]
     assert drawn["object"]["geometry"] == drawn["geometries"][0]["uuid"] == "object-0"
     assert drawn["object"]["material"] == drawn["materials"][0]["uuid"] == "object-1"
+
+
+def test_reach_is_a_point_in_each_voxel_that_is_reached_red_to_green():
+    scene = RobotScene()
+    scene.draw_reach(REACH, Pose2())
+    (drawn,) = [
+        row["object"] for row in scene.window.commands if row.get("path", "").endswith("/reach") and "object" in row
+    ]
+    attributes = drawn["geometries"][0]["data"]["attributes"]
+    points, colours = (np.frombuffer(attributes[name]["array"].data, np.float32) for name in ("position", "color"))
+    assert points.reshape(-1, 3) == pytest.approx(np.array([[0.3, 0.1, 0.1], [0.4, 0.0, 0.1]]))
+    assert colours.reshape(-1, 3)[:, :2] == pytest.approx(np.array([[0.5, 0.5], [0.0, 1.0]]))
 
 
 def test_a_page_is_written_whole_or_not_at_all(tmp_path):
