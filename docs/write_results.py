@@ -27,10 +27,6 @@ class Results:
         self.rows = read_rows(runs / name, self.study)
         self.found = {(*row.cell.values(), row.metric, row.summary): row for row in summarise(self.study, self.rows)}
 
-    def trials(self, *cell):
-        """Number of trials of a cell."""
-        return next(row.trials for key, row in self.found.items() if key[: len(cell)] == cell)
-
     def samples(self, *key):
         """Number of values behind a summary."""
         return self.found[key].n
@@ -62,7 +58,7 @@ def survey_table(runs):
     got = Results(runs, "measured-survey")
     columns = (("x_error_m", "median"), ("plane_error_m", "median"), ("x_order", "share"))
     lines = [
-        [f"{family}, {got.trials(family, method)} tags", method, *(got.text(family, method, *what) for what in columns)]
+        [f"{family}, {got.samples(family, method, 'x_error_m', 'median')} tags", method, *(got.text(family, method, *what) for what in columns)]
         for family, method in dict.fromkeys(key[:2] for key in got.found)
     ]
     units = ("along the path, median cm: ours; pilot", "in the plane, median cm: ours; pilot", "pairs in order, %: ours; pilot")
