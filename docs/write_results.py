@@ -1,4 +1,4 @@
-"""Rewrite the results of the README from study runs and a benchmark: `make results`.
+"""Rewrite the results in README.md and docs/results.md from study runs and a benchmark: `make results`.
 
 Usage: python docs/write_results.py RUNS. Reads a run folder of each study that it shows, and RUNS/bench.json. The full
 tables, with every interval and what differs, are the reports in the run folders.
@@ -15,8 +15,14 @@ from rfcompass.studies.fusebot import boxes_against_errors
 from rfcompass.studies.registry import study
 from rfcompass.studies.summary import summarise
 
-README = Path(__file__).resolve().parent.parent / "README.md"
+DOCS = Path(__file__).resolve().parent
+README, PAGE = DOCS.parent / "README.md", DOCS / "results.md"
 BEGIN, END = "<!-- results -->", "<!-- /results -->"
+PAPERS_RIG = "the paper's, X4"
+HEAD = """# Results
+
+Written by `make results`. Each table says what was simulated and what was measured, and whose the figures beside ours are.
+"""
 
 
 class Results:
@@ -41,6 +47,11 @@ class Results:
         if interval and row.interval is not None:
             text += f" ({metric.shown(row.interval.low)} … {metric.shown(row.interval.high)})"
         return text + (f"; {metric.shown(row.paper.value)}" if row.paper is not None else "")
+
+    def own(self, *key):
+        """Our figure alone."""
+        row = self.found[key]
+        return self.study.metric(row.metric).shown(row.value)
 
     def pair(self, *cell_and_metric):
         """Median / 90 % quantile, without intervals."""
@@ -203,8 +214,8 @@ SECTIONS = (
      "median / 90 % quantile in cm. RF-Compass prints about 4 cm after one stop (Fig. 7), and 0.96 / 2.5 cm and 3.1° with\n"
      "10 % of the comparisons flipped (Fig. 8), without the number of moves.", resolution_table),
     ("**The part, hand over it, by simulated radio.** `accuracy`: centre median / 90 % in cm · θ median in °; the paper's\n"
-     "figures (Fig. 12, 13, measured): K = 1 4.03, K = 2 2.76 · 5.77, K = 4 1.28 · 3.3. The last column says how often the\n"
-     "posterior's 90 % region held the pose.", accuracy_table),
+     "figures (Fig. 12, 13, measured): K = 1 4.03, K = 2 2.76 · 5.77, K = 4 1.28 · 3.3. All methods know that the part is near\n"
+     "the hand. The last column says how often the posterior's 90 % region held the pose.", accuracy_table),
     ("**A whole fetch by radio, far tracks only.** `fetches`: ours (95 % interval); the paper's measured medians (in sight).\n"
      "The paper's rig and estimator, end to end, rarely answer on this channel; `best` is ours.", fetches_table),
     ("**Tags from the wrist.** `fusebot-localisation`: ours (95 % interval); FuseBot's Table 5, both sights together, on a\n"
@@ -213,12 +224,52 @@ SECTIONS = (
 )  # fmt: skip
 
 
+def headlines(runs):
+    """What a newcomer asks first, a line each, from the same runs."""
+    accuracy, resolution, wrist = (Results(runs, name) for name in ("accuracy", "resolution", "fusebot-localisation"))
+    survey, nearer, target = (Results(runs, f"measured-{name}") for name in ("survey", "proximity", "target"))
+
+    def part(rig, method, column, *tags):
+        texts = [accuracy.own("in sight", rig, k, f"{method}_{column}", "median") for k in tags]
+        return " / ".join(texts)
+
+    def both(got, *key):
+        return " / ".join(got.own(*key, summary) for summary in ("median", "p90"))
+
+    flipped = (0.1, "skew, sweep", "consistency_centre_7_m")
+    lines = [
+        ["part's centre, hand over it, K = 1 / 2 / 4, near tracks, three stops",
+         f"{part('near L', 'posterior', 'centre_3_m', 1, 2, 4)} cm", "4.03 / 2.76 / 1.28 cm, measured", "simulated", "`accuracy`"],
+        ["its orientation, K = 2 / 4", f"{part('near L', 'posterior', 'theta_3_rad', 2, 4)}°", "5.77 / 3.3°, measured",
+         "simulated", "`accuracy`"],
+        ["the same from far tracks", f"{part('far L', 'posterior', 'centre_3_m', 1, 2, 4)} cm", "–", "simulated", "`accuracy`"],
+        ["the same with the paper's rig and estimator", f"{part(PAPERS_RIG, 'paper', 'centre_3_m', 1, 2, 4)} cm",
+         "4.03 / 2.76 / 1.28 cm, measured", "simulated", "`accuracy`"],
+        ["10 % of comparisons flipped, seven stops, median / 90 %", f"{both(resolution, *flipped)} cm", "0.96 / 2.5 cm, simulated",
+         "simulated", "`resolution`"],
+        ["tag from the wrist, 200 MHz, two heights, in sight, median / 90 %",
+         f"{both(wrist, 'in sight', 200.0, 'two', 'nearest_m')} cm", "3.6 / 6 cm, measured, hidden ones too", "simulated",
+         "`fusebot-localisation`"],
+        ["tag from a rail of 1 m, in the plane, D1test / D2 / D4",
+         " / ".join(survey.own(f, "hyperbolic", "plane_error_m", "median") for f in ("D1test", "D2", "D4")) + " cm",
+         "–", "measured", "`measured-survey`"],
+        ["which of two tags is nearer, D2 / D4", " / ".join(nearer.own(f, "auto", "correct", "share") for f in ("D2", "D4")) + " %",
+         "–", "measured", "`measured-proximity`"],
+        ["one tag among sixteen, D1test / D2 / D4",
+         " / ".join(target.own(f, 16, "posterior", "error_m", "median") for f in ("D1test", "D2", "D4")) + " cm",
+         "–", "measured", "`measured-target`"],
+    ]  # fmt: skip
+    return table(("question, median", "ours", "paper", "our data", "study"), *lines)
+
+
 def main(runs):
-    """Replace what stands between the two markers."""
+    """Replace what stands between the two markers of the README, and write the page of all tables."""
     parts = [f"{text}\n\n{make(runs)}" for text, make in SECTIONS]
+    PAGE.write_text("\n\n".join([HEAD.rstrip(), *parts]) + "\n", encoding="utf-8")
     text = README.read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    README.write_text(before + BEGIN + "\n\n" + "\n\n".join(parts) + "\n\n" + END + after, encoding="utf-8")
+    shown = f"{headlines(runs)}\n\n{SECTIONS[-1][0]}\n\n{bench_table(runs)}"
+    README.write_text(f"{before}{BEGIN}\n\n{shown}\n\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":
