@@ -24,7 +24,7 @@ class NextStop:
 
     Attributes:
         configuration: Where to stop.
-        stops: All stops that would not run over the part.
+        stops: All stops that would not run over the part; one that stays where it is never does.
         scores: Their scores, in the same order.
     """
 
@@ -58,7 +58,11 @@ def choose_next_stop(
     if len(poses) < 2:
         raise InputError(f"{len(poses)} poses: nothing to be unsure about", poses=len(poses))
     offered = proposer.candidates(now)
-    stops = [stop for stop in offered if not _runs_over(now, stop, poses, part_points_m)]
+    stops = [
+        stop
+        for stop in offered
+        if stop.configuration.base == now.base or not _runs_over(now, stop, poses, part_points_m)
+    ]
     if not stops:
         raise OutOfReach(f"none of {len(offered)} stops leaves the part alone", stops=len(offered))
     points_m = robot.tag_positions_batch(np.array([stop.configuration.joints for stop in stops]))

@@ -90,6 +90,12 @@ def test_no_stop_stands_on_the_part():
         choose_next_stop(ROBOT, now(), on_it, poses_about(0.42, 0.0, 0.3 * BODY_HALF_M[1]), POINTS_M * 0.0)
 
 
+def test_a_base_that_stays_runs_over_nothing():
+    stays = OneStop(Pose2())
+    chosen = choose_next_stop(ROBOT, now(), stays, poses_about(0.1, 0.0), POINTS_M * 0.0)
+    assert chosen.configuration.base == now().base
+
+
 def test_without_poses_there_is_nothing_to_choose():
     with pytest.raises(InputError):
         choose_next_stop(ROBOT, now(), FEW, np.zeros((0, 3)), POINTS_M)
