@@ -1,7 +1,10 @@
 """`rfcompass bench`: our own timings beside the peers', in one run."""
 
+import contextlib
+import os
 import runpy
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -29,9 +32,24 @@ def bench(
         if unknown := sorted(set(chosen) - set(known)):
             raise InputError(f"no benchmark {', '.join(unknown)}; known: {', '.join(known)}", known=list(known))
         sys.path.insert(0, str(BENCHMARKS.parent))  # benchmarks share `benchmarks.timing`
-        timings = [timing for name in chosen for timing in runpy.run_path(str(known[name]))["run"](fast)]
+        with _stdout_to_stderr():
+            timings = [timing for name in chosen for timing in runpy.run_path(str(known[name]))["run"](fast)]
         if as_json:
             print_json({"timings": [timing.as_dict() for timing in timings]})
             return
         columns = ("name", "ours", "peer", "peer's", "ratio", "agreement")
         print_table("Timings, one thread, one run", columns, (timing.cells() for timing in timings))
+
+
+@contextlib.contextmanager
+def _stdout_to_stderr() -> Iterator[None]:
+    """Keep stdout for the report: a peer's compiled code (HiGHS) prints to it past Python's `sys.stdout`."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        os.dup2(kept, 1)
+        os.close(kept)

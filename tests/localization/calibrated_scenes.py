@@ -7,10 +7,10 @@ within 25 cm of the first place of the hand, and a fixed list of places where th
 from dataclasses import dataclass
 
 import numpy as np
+from compared_scenes import a_leg, leg_points
 
 from rfcompass.geometry import Pose2
 from rfcompass.types import Observation, ProximityMatrix, TagPositions
-from tests.localization.compared_scenes import a_leg, leg_points
 
 HAND_TAGS_M = np.array([[0.0, 0.06, 0.194], [0.0, -0.06, 0.194], [0.075, 0.0, 0.194], [-0.075, 0.0, 0.194]])
 BASE_TAGS_M = np.array(

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibrated_scenes import NEAR, Errors, biased_stops
 
 from rfcompass.errors import DegenerateAnchors, InputError, TagNeverHeard
 from rfcompass.geometry import polygon_contains
 from rfcompass.localization.nearest_tag import NearestTagLocalizer
 from rfcompass.localization.sar_localizer import SarLocalizer
 from rfcompass.types import TagPositions
-from tests.localization.calibrated_scenes import NEAR, Errors, biased_stops
 
 BASELINES = [pytest.param(SarLocalizer(), id="sar"), pytest.param(NearestTagLocalizer(), id="nearest_tag")]
 every_baseline = pytest.mark.parametrize("localizer", BASELINES)

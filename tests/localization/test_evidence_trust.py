@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibrated_scenes import biased_stops
 
 from rfcompass.geometry import Pose2
 from rfcompass.localization.comparing import compare_proximities
@@ -12,7 +13,6 @@ from rfcompass.localization.noise_model import NoiseModel, fit_noise
 from rfcompass.localization.part_evidence import comparison_evidence, distance_evidence
 from rfcompass.localization.placed_stop import PlacedComparisons, place_stops
 from rfcompass.localization.problem import bounds_about
-from tests.localization.calibrated_scenes import biased_stops
 
 
 def placed_stops(seed=0, **scene):

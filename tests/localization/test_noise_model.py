@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibrated_scenes import FAR, NEAR, Errors, biased_stops
 from scipy import optimize, stats
 
 from rfcompass.localization.noise_kernels import comparison_fits, distance_noise, own_fix_errors
 from rfcompass.localization.noise_model import LEAST_BIAS_M, fit_noise, rank_correlation
 from rfcompass.localization.placed_stop import place_stops
-from tests.localization.calibrated_scenes import FAR, NEAR, Errors, biased_stops
 
 ALPHAS_M = np.geomspace(0.005, 0.2, 9)
 BETAS = np.array([0.01, 0.05, 0.2])

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibrated_scenes import biased_stops
 
 from rfcompass.localization.noise_model import NoiseModel
 from rfcompass.localization.part_evidence import comparison_evidence, distance_evidence
 from rfcompass.localization.placed_stop import OdometrySpread, PlacedComparisons, place_stops
 from rfcompass.types import Comparisons
-from tests.localization.calibrated_scenes import biased_stops
 
 NOISE = NoiseModel(scale=2.0, alpha_m=0.02, beta=0.1, bias_m=0.015, comparison_m=0.03, lapse=0.04, pairs=36)
 KINDS = {"sar_nearfield": NOISE}

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibrated_scenes import biased_stops
+from compared_scenes import random_observations
 
 from rfcompass.errors import DegenerateAnchors, InputError, TagNeverHeard
 from rfcompass.geometry import Pose2
 from rfcompass.localization.placed_stop import odometry_spread, place_labels, place_stops
 from rfcompass.types import TagPositions
-from tests.localization.calibrated_scenes import biased_stops
-from tests.localization.compared_scenes import random_observations
 
 
 def with_covariance(observations, covariances):

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibrated_scenes import Errors, biased_stops
+from compared_scenes import leg_points, random_stops
 
 from rfcompass.errors import DegenerateAnchors, Infeasible, InputError, TagNeverHeard
 from rfcompass.geometry import Pose2, polygon_area_m2, polygon_contains
@@ -11,8 +13,6 @@ from rfcompass.localization.noise_model import fit_noise
 from rfcompass.localization.placed_stop import place_stops
 from rfcompass.localization.posterior import PosteriorLocalizer
 from rfcompass.types import ProximityMatrix, TagPositions
-from tests.localization.calibrated_scenes import Errors, biased_stops
-from tests.localization.compared_scenes import leg_points, random_stops
 
 LOCALIZER = PosteriorLocalizer()
 COMPARE = PosteriorLocalizer(use="comparisons")

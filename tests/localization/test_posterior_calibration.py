@@ -5,10 +5,10 @@ Seeds 0 to 99 were used to settle how much of the errors the tags share; those h
 
 import numpy as np
 import pytest
+from calibrated_scenes import FAR, NEAR, biased_stops
 
 from rfcompass.geometry import polygon_contains
 from rfcompass.localization.posterior import PosteriorLocalizer
-from tests.localization.calibrated_scenes import FAR, NEAR, biased_stops
 
 FIRST_SEED = 1000
 

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from calibrated_scenes import Errors, biased_stops
 
 from rfcompass.errors import InputError
 from rfcompass.localization.posterior import PosteriorLocalizer
 from rfcompass.localization.unknown_height import lifts_between
 from rfcompass.types import TagPositions
-from tests.localization.calibrated_scenes import Errors, biased_stops
 
 QUIET = Errors(0.005, 0.002)
 KNOWN, FREE = PosteriorLocalizer(), PosteriorLocalizer(lift_range_m=(0.0, 0.3))
