@@ -51,10 +51,14 @@ def run(fast: bool = False, seed: int = 31) -> list[Timing]:
         nlp_s, nlp = time_ours("nlp", arms[:ours], begin)
         for name, peer in peers.items():
             peer_s, share, touching = time_peer(peer, arms[:theirs], begin)
-            label = f"{name}, {how}: {share:.1%}, {touching:.0%} touch"
-            rows.append(Timing(f"batch of {batch}: {solved:.2%}", batch_s, label, peer_s, np.nan))
-            rows.append(Timing(f"closed form, {how}: {single:.2%}", single_s, label, peer_s, np.nan))
-            rows.append(Timing(f"optimisation, {how}: {nlp:.2%}", nlp_s, label, peer_s, np.nan))
+            label = f"{name}, {how}, no check: {share:.1%}, {touching:.0%} touch"
+            rows.append(
+                Timing(f"IK, closed form, batch of {batch}: {solved:.1%} solved", batch_s, label, peer_s, np.nan)
+            )
+            rows.append(
+                Timing(f"IK, closed form and collision check, {how}: {single:.1%}", single_s, label, peer_s, np.nan)
+            )
+            rows.append(Timing(f"IK, optimisation and collision check, {how}: {nlp:.1%}", nlp_s, label, peer_s, np.nan))
     rows.append(time_checks(arms[:ours]))
     return rows
 

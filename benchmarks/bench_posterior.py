@@ -60,7 +60,7 @@ def run(fast: bool = False) -> list[Timing]:
     many, few = (10, 2) if fast else (200, 10)
     lines = []
     for M in (1, 3):
-        problems = [_problem(seed, M) for seed in range(FIRST_SEED, FIRST_SEED + many)]
+        problems = [random_problem(seed, M) for seed in range(FIRST_SEED, FIRST_SEED + many)]
         ours_s, ours = _median_time(_ours, problems)
         for name, solve in (
             ("numpy grid", _grid),
@@ -69,7 +69,9 @@ def run(fast: bool = False) -> list[Timing]:
         ):
             theirs_s, theirs = _median_time(solve, problems[:few])
             differ = float(np.median(np.hypot(*(ours[:few] - theirs).T)))
-            lines.append(Timing(f"{M} stop{'s' * (M > 1)}, x {many}", ours_s, f"{name}, x {few}", theirs_s, differ))
+            lines.append(
+                Timing(f"posterior, {M} stop{'s' * (M > 1)}, x {many}", ours_s, f"{name}, x {few}", theirs_s, differ)
+            )
     return lines
 
 
@@ -78,7 +80,7 @@ def late(fast: bool = False) -> list[str]:
     lines = []
     for K in (1, 2, 4):
         for M in (1, 3, 5):
-            problems = [_problem(seed, M, K) for seed in range(FIRST_SEED, FIRST_SEED + (10 if fast else 200))]
+            problems = [random_problem(seed, M, K) for seed in range(FIRST_SEED, FIRST_SEED + (10 if fast else 200))]
             times = _times(_ours, problems)[0] * 1e3
             lines.append(
                 f"K = {K}, {M} stops: median {np.median(times):5.1f} ms, 90 % {np.percentile(times, 90):5.1f} ms"
@@ -156,7 +158,7 @@ def _points(K: int) -> FloatArray:
     return {1: np.array([[0.0, 0.0, 0.05]]), 2: PART_M[[0, 3]], 4: PART_M}[K]
 
 
-def _problem(seed: int, M: int, K: int = 4) -> Problem:
+def random_problem(seed: int, M: int, K: int = 4) -> Problem:
     """Every tag seems to be off its place, the part's always alike."""
     rng, points_m = np.random.default_rng(seed), _points(K)
     turn, radius = rng.uniform(-np.pi, np.pi), 0.25 * np.sqrt(rng.uniform())

@@ -69,10 +69,18 @@ def survey_table(runs):
     got = Results(runs, "measured-survey")
     columns = (("x_error_m", "median"), ("plane_error_m", "median"), ("x_order", "share"))
     lines = [
-        [f"{family}, {got.samples(family, method, 'x_error_m', 'median')} tags", method, *(got.text(family, method, *what) for what in columns)]
+        [
+            f"{family}, {got.samples(family, method, 'x_error_m', 'median')} tags",
+            method,
+            *(got.text(family, method, *what) for what in columns),
+        ]
         for family, method in dict.fromkeys(key[:2] for key in got.found)
     ]
-    units = ("along the path, median cm: ours; pilot", "in the plane, median cm: ours; pilot", "pairs in order, %: ours; pilot")
+    units = (
+        "along the path, median cm: ours; pilot",
+        "in the plane, median cm: ours; pilot",
+        "pairs in order, %: ours; pilot",
+    )
     return table(("measured sweeps", "method", *units), *lines)
 
 
@@ -181,16 +189,41 @@ def accuracy_table(runs):
                     for tags in (1, 2, 3, 4)
                 ]
                 held = [got.text(sight, rig, tags, f"held_{count}", "share", interval=False) for tags in (1, 2, 3, 4)]
-                lines.append([sight, rig, method, str(count), *cells, ", ".join(held) if method == "posterior" else "–"])
-    heads = ("simulated", "tracks", "method", "stops", "K = 1:", "K = 2:", "K = 3:", "K = 4:", "region holds, %, K = 1…4")
+                lines.append(
+                    [sight, rig, method, str(count), *cells, ", ".join(held) if method == "posterior" else "–"]
+                )
+    heads = (
+        "simulated",
+        "tracks",
+        "method",
+        "stops",
+        "K = 1:",
+        "K = 2:",
+        "K = 3:",
+        "K = 4:",
+        "region holds, %, K = 1…4",
+    )
     return table(heads, *lines)
+
+
+def duration(seconds):
+    """Three digits, with the unit that suits."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size or unit == "µs":
+            value = seconds / size
+            return f"{value:.{max(0, 2 - int(np.floor(np.log10(value))))}f} {unit}"
 
 
 def bench_table(runs):
     """One line for each timing."""
     timings = json.loads((runs / "bench.json").read_text(encoding="utf-8"))["timings"]
     lines = [
-        [t["name"], f"{1e3 * t['ours_s']:,.2f} ms", f"{t['peer']}: {1e3 * t['peer_s']:,.1f} ms", f"{t['ratio']:.0f}"]
+        [
+            t["name"],
+            duration(t["ours_s"]),
+            f"{t['peer']}: {duration(t['peer_s'])}",
+            f"{t['ratio']:,.{t['ratio'] < 10:d}f}",
+        ]
         for t in timings
     ]
     return table(("computed on one thread", "ours:", "peer", "ratio:"), *lines)
