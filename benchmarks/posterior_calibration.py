@@ -31,8 +31,9 @@ from rfcompass.localization import (
     measure_proximities,
 )
 from rfcompass.rf import meter
-from rfcompass.simulation import PlaneRoom, Scatterers, SimulatedRobot
+from rfcompass.simulation import RIG_PAPER, PlaneRoom, Scatterers, SimulatedRobot
 from rfcompass.simulation.radio_sensing import Leg
+from rfcompass.simulation.reader_noise import NOISES
 from rfcompass.studies.comparisons import robot_and_part
 from rfcompass.studies.radio_scan import HAND_HEIGHT_M, HAND_M, room_with_hand_over_part
 from rfcompass.studies.radio_setup import RadioSetup
@@ -55,11 +56,11 @@ OTHERS: dict[str, Localizer] = {
 Judged = tuple[bool, bool, float, float, float]
 
 
-def stops_of(seed: int, scene: str, near: bool, metal: bool, tags: int) -> tuple[list[Observation], Pose2]:
+def stops_of(seed: int, scene: str, noise: str, near: bool, metal: bool, tags: int) -> tuple[list[Observation], Pose2]:
     """Five stops with their proximities, and where the part truly lies in the base frame."""
     rng, (robot, part), ear = trial_rng("posterior", seed), robot_and_part(), meter("sar_nearfield")
     room = room_with_hand_over_part(rng)
-    radio = RadioSetup(scene=scene)
+    radio = RadioSetup(scene=scene, rig=replace(RIG_PAPER, noise=NOISES[noise]))
     if near:
         radio = replace(radio, legs_m=near_legs(room, rng))
     sensor = radio.sensor(room, robot.layout, part.layout(tags), rng)
@@ -132,13 +133,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Print the rows for one kind of track and one number of tags."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scene", default="room_los")
+    parser.add_argument("--noise", choices=list(NOISES), default="usrp", help="what the reader adds")
     parser.add_argument("--tracks", choices=("near", "far"), default="near")
     parser.add_argument("--tags", type=int, choices=(1, 2, 4), default=4)
     parser.add_argument("--no-metal", action="store_true", help="a robot that does not scatter")
     parser.add_argument("--seeds", type=int, default=60, help="how many, from 1000")
     chosen = parser.parse_args(argv)
     near, metal = chosen.tracks == "near", not chosen.no_metal
-    scenes = [stops_of(1000 + n, chosen.scene, near, metal, chosen.tags) for n in range(chosen.seeds)]
+    scenes = [stops_of(1000 + n, chosen.scene, chosen.noise, near, metal, chosen.tags) for n in range(chosen.seeds)]
     for count in AFTER:
         print(line(f"{count} stops", [judged(stops[:count], truth) for stops, truth in scenes]), flush=True)
     for count in AFTER[:2]:

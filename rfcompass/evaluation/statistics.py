@@ -1,6 +1,7 @@
 """Statistics of trials, each with an interval: nothing is reported without one.
 
-A *statistic* is named by a word: `"median"`, `"mean"`, or `"p90"` for the 90 % quantile (any number after the p).
+A *statistic* is named by a word: `"median"`, `"mean"`, `"sd"` for the standard deviation (that of the samples, not
+corrected), or `"p90"` for the 90 % quantile (any number after the p).
 """
 
 import re
@@ -38,7 +39,9 @@ def sample_statistic(samples: FloatArray, statistic: str) -> float:
     """
     x = _samples(samples)
     quantile = quantile_of(statistic)
-    return float(x.mean() if quantile is None else np.quantile(x, quantile))
+    if quantile is not None:
+        return float(np.quantile(x, quantile))
+    return float(x.std() if statistic == "sd" else x.mean())
 
 
 def bootstrap_interval(
@@ -125,18 +128,18 @@ def wilson_interval(successes: int, trials: int, level: float = 0.95) -> Interva
 
 
 def quantile_of(statistic: str) -> float | None:
-    """Return the quantile that a statistic's name stands for, None for the mean.
+    """Return the quantile that a statistic's name stands for, None for the mean and the standard deviation.
 
     Raises:
         InputError: If there is no such statistic.
     """
-    if statistic == "mean":
+    if statistic in ("mean", "sd"):
         return None
     if statistic == "median":
         return 0.5
     percent = re.fullmatch(r"p(\d{1,2})", statistic)
     if percent is None:
-        raise InputError(f"no statistic {statistic!r}; known: median, mean, p01 .. p99", statistic=statistic)
+        raise InputError(f"no statistic {statistic!r}; known: median, mean, sd, p01 .. p99", statistic=statistic)
     return int(percent[1]) / 100.0
 
 
@@ -163,7 +166,10 @@ def _resampled(x: FloatArray, statistic: str, counts: IntArray) -> FloatArray:
     quantile = quantile_of(statistic)
     totals = counts.sum(axis=1)
     if quantile is None:
-        return np.asarray((counts * x).sum(axis=1) / totals)
+        mean = (counts * x).sum(axis=1) / totals
+        if statistic == "mean":
+            return np.asarray(mean)
+        return np.sqrt((counts * (x - mean[:, None]) ** 2).sum(axis=1) / totals)
     order = np.argsort(x, kind="stable")
     last = np.cumsum(counts[:, order], axis=1)  # rank after the last copy of each sample
     position = quantile * (totals - 1)

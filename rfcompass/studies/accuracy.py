@@ -31,6 +31,7 @@ from rfcompass.robots import YouBot
 from rfcompass.robots.robot import Robot
 from rfcompass.simulation import FAR_L_M, FAR_LINE_M, SimulatedRobot
 from rfcompass.simulation.radio_sensing import Leg
+from rfcompass.studies.error_pictures import draw_accuracy
 from rfcompass.studies.hand_moves import sweep_configurations
 from rfcompass.studies.metric import SHARE, Metric
 from rfcompass.studies.radio_scan import room_with_hand_over_part
@@ -191,7 +192,7 @@ def _metrics() -> tuple[Metric, ...]:
     return tuple(found)
 
 
-STATISTICS = ("median", "p90", "mean")
+STATISTICS = ("median", "p90", "mean", "sd")
 METRICS = _metrics()
 COLUMNS = tuple(metric.name for metric in METRICS)
 
@@ -226,4 +227,5 @@ ACCURACY = Study(
         "free DTW and Eq. 8 with the analytic centre. Every method is told that the part lies in a square of 70 cm "
         "about the hand. Near tracks are planned about a place that is known to 15 cm."
     ),
+    draws=draw_accuracy,
 )  # fmt: skip

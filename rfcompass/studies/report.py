@@ -2,14 +2,19 @@
 
 import base64
 import html
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rfcompass.evaluation.records import CellValue
 from rfcompass.files import write_text_atomic
 from rfcompass.studies.folder import read_rows
 from rfcompass.studies.study import Study
 from rfcompass.studies.summary import RunFacts, SummaryRow, run_facts, summarise
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #1a1a1a; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
@@ -89,13 +94,12 @@ def html_page(
     )
 
 
-def write_report(study: Study, out: Path | str, figures: Mapping[str, bytes] | None = None) -> tuple[SummaryRow, ...]:
+def write_report(study: Study, out: Path | str) -> tuple[SummaryRow, ...]:
     """Summarise the rows in a study's folder and write `report.md` and `report.html` beside them.
 
     Args:
-        study: The study.
+        study: The study; what it draws goes into the page.
         out: Folder of its run.
-        figures: PNG files by caption.
 
     Raises:
         StudyError: If the folder holds no rows of this study.
@@ -103,6 +107,7 @@ def write_report(study: Study, out: Path | str, figures: Mapping[str, bytes] | N
     out = Path(out)
     table = read_rows(out, study)
     rows, facts = summarise(study, table), run_facts(table)
+    figures = {caption: _png(figure) for caption, figure in (study.draws(table) if study.draws else {}).items()}
     write_text_atomic(out / "report.md", markdown_report(study, rows, facts))
     write_text_atomic(out / "report.html", html_page(study, rows, facts, figures))
     return rows
@@ -162,6 +167,12 @@ def _html_cells(columns: Sequence[str], texts: Sequence[str]) -> str:
 def _html_class(column: str) -> str:
     names = ["number"] * (column in _NUMBERS) + ["ours"] * (column == "ours")
     return f' class="{" ".join(names)}"' if names else ""
+
+
+def _png(figure: "Figure") -> bytes:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=110)
+    return buffer.getvalue()
 
 
 def _html_figure(caption: str, png: bytes) -> str:

@@ -25,6 +25,7 @@ from rfcompass.localization import (
 )
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import Robot, YouBot
+from rfcompass.studies.error_pictures import draw_resolution
 from rfcompass.studies.hand_moves import SWEEP, HandMoves, on_body
 from rfcompass.studies.metric import Metric
 from rfcompass.studies.study import Cell, PaperValue, Study
@@ -226,4 +227,5 @@ RESOLUTION = Study(
         "rejection; `posterior` uses comparisons only, and is told what share of them is wrong. A run without an "
         "answer has no error."
     ),
+    draws=draw_resolution,
 )  # fmt: skip

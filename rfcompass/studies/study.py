@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
@@ -14,9 +14,14 @@ from rfcompass.errors import StudyError
 from rfcompass.evaluation.records import CellValue, MetricValue
 from rfcompass.studies.metric import Metric
 
+if TYPE_CHECKING:  # a trial needs neither
+    import pyarrow as pa
+    from matplotlib.figure import Figure
+
 Cell: TypeAlias = Mapping[str, CellValue]
 Trial: TypeAlias = Callable[[Cell, int, np.random.Generator], Mapping[str, MetricValue]]
 Applies: TypeAlias = Callable[[Cell, int], bool]
+Draws: TypeAlias = Callable[["pa.Table"], Mapping[str, "Figure"]]
 
 RESERVED_COLUMNS = (
     "study",
@@ -73,6 +78,7 @@ class Study:
         tuning_seeds: Seeds on which constants may be chosen; never those of the report.
         applies: Says which trials exist where the grid is not full, for example for sets of unequal size.
         note: What the report says about model and constants.
+        draws: Makes the figures of the report from all rows, by caption.
 
     Raises:
         StudyError: If the declaration contradicts itself.
@@ -89,6 +95,7 @@ class Study:
     tuning_seeds: Sequence[int] = ()
     applies: Applies | None = None
     note: str = ""
+    draws: Draws | None = None
 
     def __post_init__(self) -> None:
         """Freeze the factors and check that names, values and seeds are consistent."""

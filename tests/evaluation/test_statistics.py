@@ -17,7 +17,7 @@ NAMES = ("median", "mean", "p90", "p05")
 samples = st.lists(st.floats(-100, 100), min_size=1, max_size=30).map(np.array)
 
 
-@given(samples, st.sampled_from(NAMES), st.integers(0, 1000))
+@given(samples, st.sampled_from((*NAMES, "sd")), st.integers(0, 1000))
 def test_a_resample_has_the_statistic_of_its_repeated_samples(x, name, seed):
     counts = np.random.default_rng(seed).integers(0, 3, size=(4, len(x)))
     counts[:, 0] += 1
@@ -98,8 +98,16 @@ def test_nothing_has_no_statistic():
         paired_difference_interval(np.zeros(3), np.zeros(2), "mean", np.random.default_rng(0))
 
 
+def test_the_interval_of_a_standard_deviation_scales_and_does_not_shift():
+    x = np.random.default_rng(0).normal(size=40)
+    plain = bootstrap_interval(x, "sd", np.random.default_rng(3))
+    moved = bootstrap_interval(100.0 * x + 7.0, "sd", np.random.default_rng(3))
+    assert np.allclose([moved.low, moved.high], [100.0 * plain.low, 100.0 * plain.high])
+    assert 0 < plain.low < x.std() < plain.high
+
+
 def test_statistics_have_names():
-    assert [quantile_of(name) for name in NAMES] == [0.5, None, 0.9, 0.05]
+    assert [quantile_of(name) for name in (*NAMES, "sd")] == [0.5, None, 0.9, 0.05, None]
     for name in ("mode", "p", "p100", "p-1", "P90"):
         with pytest.raises(InputError, match="known: median"):
             quantile_of(name)

@@ -4,6 +4,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
+from matplotlib.figure import Figure
 from toy_study import METRICS, toy_study
 
 from rfcompass.errors import StudyError
@@ -109,3 +110,16 @@ def test_a_report_lies_beside_its_rows_and_repeats(run, rows):
 def test_rows_of_another_study_are_not_reported(run):
     with pytest.raises(StudyError):
         write_report(toy_study(metrics=METRICS[:1]), run)
+
+
+def test_what_a_study_draws_stands_in_its_page(run):
+    def draws(table):
+        figure = Figure()
+        figure.add_subplot().plot(table.column("seed").to_numpy())
+        return {"seeds & all": figure}
+
+    write_report(replace(toy_study(), draws=draws), run)
+    page = (run / "report.html").read_text(encoding="utf-8")
+    (data,) = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
+    assert base64.b64decode(data).startswith(b"\x89PNG")
+    assert "<figcaption>seeds &amp; all</figcaption>" in page
