@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from planners.hand_over import hand_over
+from planners.near_antenna import NearAntenna
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import NoAnswer, OutOfReach
 from rfcompass.geometry.pose2 import Pose2
@@ -48,6 +49,7 @@ class FetchRules:
         lined_up_m: How far from `hand_point_m` the estimated centre may lie at the first final stop [m].
         max_line_ups: Base moves for lining up.
         max_step_m: Longest single drive [m]; the paper's window holds 2 m of travel.
+        max_antenna_moves: How often the antenna's carrier may come nearer at one stop, each time with another scan.
     """
 
     reach_m: float = 0.6
@@ -58,6 +60,7 @@ class FetchRules:
     lined_up_m: float = 0.05
     max_line_ups: int = 3
     max_step_m: float = 2.0
+    max_antenna_moves: int = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +100,7 @@ class Fetch:
         start: Joints at the start.
         rules: When to do what.
         meter: Measures the proximities of each stop once, where the device brings none.
+        antenna: Comes near the part; None if the antenna drives the same track always.
     """
 
     robot: Robot
@@ -105,6 +109,7 @@ class Fetch:
     start: Configuration
     rules: FetchRules = field(default_factory=FetchRules)
     meter: ProximityMeter | None = None
+    antenna: NearAntenna | None = None
     _observations: list[Observation] = field(init=False, default_factory=list)
     _joints: FloatArray = field(init=False)
 
@@ -119,12 +124,11 @@ class Fetch:
         step = yield from self._navigate()
         yield from self._line_up(step.estimate)
         for place in self.rules.hand_sweep[1:]:
-            yield self._hand_stop(*place)
+            yield from self._hand_stop(*place)
 
     def _navigate(self) -> Generator[FetchStep, None, FetchStep]:
         for _ in range(self.rules.max_moves + 1):
-            step = self._stop("navigate")
-            yield step
+            step = yield from self._stop("navigate")
             if step.in_reach:
                 return step
             self.device.move_base(self._half_way(step.estimate))
@@ -136,21 +140,46 @@ class Fetch:
         """Drive until the hand is over the part at the first place of the sweep, as far as one can tell."""
         for _ in range(self.rules.max_line_ups):
             self.device.move_base(self._under_the_hand(estimate))
-            step = self._hand_stop(*self.rules.hand_sweep[0])
-            yield step
+            step = yield from self._hand_stop(*self.rules.hand_sweep[0])
             estimate = step.estimate
             if np.linalg.norm(estimate.centre_m - self.rules.hand_point_m) <= self.rules.lined_up_m:
                 return
 
-    def _hand_stop(self, dx_m: float, dy_m: float, yaw_rad: float) -> FetchStep:
+    def _hand_stop(self, dx_m: float, dy_m: float, yaw_rad: float) -> Generator[FetchStep, None, FetchStep]:
         """Move the hand to a place of the sweep and stop there."""
         x_m, y_m = self.rules.hand_point_m
         point_m = np.array([x_m + dx_m, y_m + dy_m, self.rules.hand_height_m])
         self._joints = hand_over(self.robot, self.robot.configuration(self._joints), point_m, yaw_rad).joints
         self.device.move_arm(self._joints)
-        return self._stop("localise")
+        return (yield from self._stop("localise"))
 
-    def _stop(self, phase: str) -> FetchStep:
+    def _stop(self, phase: str) -> Generator[FetchStep, None, FetchStep]:
+        """Scan and localise; again from nearer, if the antenna can come nearer."""
+        step = self._found(phase)
+        yield step
+        for _ in range(self.rules.max_antenna_moves):
+            if self.antenna is None or not self.antenna.comes_nearer(step.observation, step.estimate):
+                break
+            self._observations.clear()
+            step = self._found(phase)
+            yield step
+        return step
+
+    def _found(self, phase: str) -> FetchStep:
+        """Scan until there is an answer: without the older stops, then from wherever else the antenna can hear."""
+        while True:
+            try:
+                step = self._scanned(phase)
+            except NoAnswer:
+                if self.antenna is None or not self.antenna.looks_from_elsewhere():
+                    raise
+                self._observations.clear()
+            else:
+                if self.antenna is not None:
+                    self.antenna.found()
+                return step
+
+    def _scanned(self, phase: str) -> FetchStep:
         observation = self.device.scan()
         try:
             matrix = measure_proximities(observation, self.meter)

@@ -105,6 +105,19 @@ class Scanner(Protocol):
 
 
 @runtime_checkable
+class AntennaCarrier(Protocol):
+    """Moves the reader's antenna along straight legs during each scan; a second robot, a gantry, or a simulated one."""
+
+    def use_legs(self, legs_m: FloatArray) -> None:
+        """Drive these legs at every scan from now on.
+
+        Args:
+            legs_m: Start and end of each leg, in the frame of the antenna positions [m], shape (L, 2, 3).
+        """
+        ...
+
+
+@runtime_checkable
 class MobileManipulator(Protocol):
     """A robot that drives, moves its arm and closes its hand; real or simulated."""
 

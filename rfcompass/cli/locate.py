@@ -13,8 +13,9 @@ from rfcompass.cli.output import JsonFlag, answering, print_json
 def locate(
     trace: Annotated[Path, typer.Argument(help="Trace folder with stops.csv.")],
     part: Annotated[str, typer.Option(help="Part to find, by its name in the part database.")],
-    estimator: Annotated[Estimator, typer.Option(help="How to find it.")] = Estimator.CONSISTENCY,
+    estimator: Annotated[Estimator, typer.Option(help="How to find it.")] = Estimator.POSTERIOR,
     proximity: Annotated[str, typer.Option(help="Meter for stops without ready-made proximities.")] = "auto",
+    last: Annotated[int | None, typer.Option(min=1, help="Use the newest stops only; all by default.")] = None,
     robot: Annotated[str | None, typer.Option(help="Robot name or file; by default what the trace says.")] = None,
     database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
     as_json: JsonFlag = False,
@@ -35,7 +36,7 @@ def locate(
             raise TraceError(f"{trace}: does not say which robot carried the tags; use --robot", file="meta.json")
         with PartDatabase(database) as parts:
             wanted = parts.part(part)
-        observations = opened.observations(load_robot(name, opened.meta.tag_layout), wanted)
+        observations = opened.observations(load_robot(name, opened.meta.tag_layout), wanted)[-(last or 0) :]
         estimate = localizer(estimator, proximity).estimate(observations)
         if as_json:
             matrix = measure_proximities(observations[-1], meter(proximity))

@@ -1,7 +1,7 @@
 """A scan by radio: an antenna carrier drives its track while the reader takes the inventory of all tags."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -124,6 +124,10 @@ class RadioSensor:
     rig: ReaderRig = RIG_PAPER
     carrier: Carrier = field(default_factory=Carrier)
     body: Scatterers = field(default_factory=metal_body)
+
+    def along(self, legs_m: FloatArray) -> "RadioSensor":
+        """Return the sensor with other legs of the antenna's track [m], shape (L, 2, 3)."""
+        return replace(self, carrier=replace(self.carrier, legs_m=legs_m))
 
     def hear(self, state: RoomState, rng: np.random.Generator) -> Heard:
         """Drive the track once and take the inventory."""

@@ -11,6 +11,7 @@ from rfcompass.robots.robot import Robot
 from rfcompass.simulation.inventory import Inventory
 from rfcompass.simulation.inventory_averages import inventory_scan
 from rfcompass.simulation.plane_room import PlaneRoom
+from rfcompass.simulation.radio_sensing import RadioSensor
 from rfcompass.simulation.room_sensing import NoisyDistances, RoomSensor, RoomState
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import Failure, GraspOutcome
@@ -56,7 +57,7 @@ class RecordedStop:
 
 @dataclass(slots=True)
 class SimulatedRobot:
-    """A robot in a room (`Scanner`, `MobileManipulator`).
+    """A robot in a room (`Scanner`, `MobileManipulator`), and who carries the antenna there (`AntennaCarrier`).
 
     Args:
         robot: The robot's description and kinematics.
@@ -132,6 +133,16 @@ class SimulatedRobot:
         """Move the joints; refuses values outside the limits."""
         self.robot.check_limits(self.robot.configuration(joints, self._believed))
         self.joints = np.array(joints, dtype=np.float64)
+
+    def use_legs(self, legs_m: FloatArray) -> None:
+        """Let the antenna's carrier drive other legs from now on; frame: the room's.
+
+        Raises:
+            InputError: If nothing here carries an antenna.
+        """
+        if not isinstance(self.sensor, RadioSensor):
+            raise InputError(f"a {type(self.sensor).__name__} hears without an antenna", name="legs_m")
+        self.sensor = self.sensor.along(legs_m)
 
     def close_hand(self) -> GraspOutcome:
         """Nothing to close on yet: grasping comes with the grasp planner."""

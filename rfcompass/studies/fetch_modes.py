@@ -4,10 +4,15 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
+from planners.antenna_track import NearTrack
 from rfcompass.interfaces import Localizer, ProximityMeter
-from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer
+from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer, PosteriorLocalizer
 from rfcompass.rf import meter
 from rfcompass.studies.radio_setup import BEST_RADIO, PAPER_RADIO, RadioSetup
+
+# Legs of the antenna about the part. Ours: distances from 1.05 to 1.5 m serve nearly alike, which leaves a choice where
+# furniture stands.
+NEAR = NearTrack(stand_offs_m=(1.2, 1.35, 1.05, 1.5))
 
 # In place of a meter: no radio, distances with noise.
 NOISY_DISTANCE = "noisy_distance"
@@ -18,7 +23,7 @@ class Mode(StrEnum):
 
     `paper`: one straight far track of a bistatic 920 MHz rig, PinIt's profiles and DTW, Eq. 8 with the ε schedule and
     its analytic centre, moves of D/2, a window of three motions and two metres [Wang2013]. `best`: the same radio
-    along an L, near-field images, and the estimator that is best with them.
+    along an L that comes near the part once the robot has come near it, near-field images, the posterior.
     """
 
     PAPER = "paper"
@@ -33,11 +38,13 @@ class FetchMode:
         radio: Antenna track and reader; None for distances with noise.
         meter: Measures proximities; None where there is no radio.
         localizer: Finds the part.
+        near: How the antenna comes near the part; None if it drives one track always.
     """
 
     radio: RadioSetup | None
     meter: ProximityMeter | None
     localizer: Localizer
+    near: NearTrack | None = None
 
     def in_scene(self, **changes: Any) -> "FetchMode":  # noqa: ANN401 - fields of the radio
         """Return the mode with other fields of its radio, such as the scene."""
@@ -57,9 +64,10 @@ def fetch_mode(mode: Mode, proximity: str | None = None, localizer: Localizer | 
     """
     paper = mode is Mode.PAPER
     kind = proximity or ("pinit_dtw" if paper else "auto")
-    own = PartitionLocalizer(centre="analytic") if paper else ConsistencyLocalizer()
-    return FetchMode(
-        radio=None if kind == NOISY_DISTANCE else PAPER_RADIO if paper else BEST_RADIO,
-        meter=None if kind == NOISY_DISTANCE else meter(kind),
-        localizer=localizer or own,
-    )
+    if kind == NOISY_DISTANCE:
+        own = PartitionLocalizer(centre="analytic") if paper else ConsistencyLocalizer()
+        return FetchMode(radio=None, meter=None, localizer=localizer or own)
+    if paper:
+        own = PartitionLocalizer(centre="analytic")
+        return FetchMode(radio=PAPER_RADIO, meter=meter(kind), localizer=localizer or own)
+    return FetchMode(radio=BEST_RADIO, meter=meter(kind), localizer=localizer or PosteriorLocalizer(), near=NEAR)

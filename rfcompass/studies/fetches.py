@@ -24,7 +24,7 @@ def fetch_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str,
     robot, part = robot_and_part()
     task = FetchTask(
         robot=robot, part=part, tags=int(str(cell["tags"])), localizer=how.localizer, seed=seed, radio=how.radio,
-        meter=how.meter,
+        meter=how.meter, near=how.near,
     )  # fmt: skip
     last, stops, ended = None, 0, "answered"
     try:

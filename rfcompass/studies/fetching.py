@@ -5,13 +5,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from planners.antenna_track import NearTrack
 from planners.fetch import Fetch, FetchRules, FetchStep
+from planners.near_antenna import NearAntenna
 from rfcompass.evaluation.metrics import angle_error_rad, position_error_m
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, ProximityMeter
 from rfcompass.robots import Robot
 from rfcompass.simulation import NoisyDistances, PlaneRoom, RecordedStop, RoomSensor, SimulatedRobot, WheelSlip
-from rfcompass.studies.radio_setup import AREA_M, DRIVE_AREA_M, RadioSetup
+from rfcompass.simulation.radio_sensing import RadioSensor
+from rfcompass.studies.radio_setup import AREA_M, DRIVE_AREA_M, RadioSetup, standing_m
 from rfcompass.studies.study import trial_rng
 from rfcompass.types.parts import Part
 from rfcompass.types.tags import TagLayout
@@ -35,6 +38,7 @@ class FetchTask:
         meter: Measures proximities from the reads of a radio.
         sigma: Noise of the distances where there is no radio: standard deviation of log m.
         slip: How far the wheels slip.
+        near: How the antenna's carrier comes near the part; None if it drives the radio's legs always.
     """
 
     robot: Robot
@@ -48,6 +52,7 @@ class FetchTask:
     meter: ProximityMeter | None = None
     sigma: float = 0.05
     slip: WheelSlip = field(default_factory=WheelSlip)
+    near: NearTrack | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +90,10 @@ class SimulatedFetch:
             task.robot, task.part, layout, room, rng, start.joints, sensor, task.slip,
             None if task.radio is None else DRIVE_AREA_M,
         )  # fmt: skip
-        self._loop = Fetch(task.robot, self._device, task.localizer, start, task.rules, task.meter)
+        antenna = None
+        if task.near is not None and isinstance(sensor, RadioSensor):
+            antenna = NearAntenna(self._device, task.near, keep_out_m=standing_m(sensor.scene))
+        self._loop = Fetch(task.robot, self._device, task.localizer, start, task.rules, task.meter, antenna)
 
     @property
     def stops(self) -> tuple[RecordedStop, ...]:

@@ -114,12 +114,17 @@ def _clear_of(carrier: Carrier) -> list[Disc]:
     return [(float(x), float(y), TRACK_CLEAR_M) for x, y in carrier.track().positions_m[::5, :2]]
 
 
+def standing_m(scene: RadioScene) -> FloatArray:
+    """Least and largest x, y of all that reaches the floor; what hangs higher is no obstacle there, shape (B, 2, 2)."""
+    low = [ob.bounds_m[:, :2] for ob in scene.scene.obstacles if ob.bounds_m[0, 2] < LYING_HEIGHT_M]
+    return np.array(low).reshape(-1, 2, 2)
+
+
 def _standing(scene: RadioScene) -> list[Disc]:
-    """Discs about what reaches the floor; what hangs higher than a lying part is no obstacle to it."""
-    low = [ob.bounds_m for ob in scene.scene.obstacles if ob.bounds_m[0, 2] < LYING_HEIGHT_M]
+    """Discs about what reaches the floor."""
     return [
         (float(x), float(y), float(np.hypot(*half_m)))
-        for (x, y), half_m in ((b[:, :2].mean(axis=0), np.diff(b[:, :2], axis=0)[0] / 2) for b in low)
+        for (x, y), half_m in ((b.mean(axis=0), np.diff(b, axis=0)[0] / 2) for b in standing_m(scene))
     ]
 
 

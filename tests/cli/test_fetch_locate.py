@@ -83,7 +83,8 @@ def test_the_trace_of_a_run_holds_no_truth(answer, fetched):
 
 
 def test_locate_finds_in_the_trace_what_fetch_found(run, answer, fetched):
-    found = run("locate", fetched / "trace", "--part", "table_leg_3", "--database", ":memory:", "--json").json
+    options = ("--part", "table_leg_3", "--last", answer["stops"], "--database", ":memory:", "--json")
+    found = run("locate", fetched / "trace", *options).json
     assert found["centre_m"] == answer["centre_m"]
     assert found["theta_rad"] == answer["theta_rad"]
     assert found["proximity"] == answer["proximity"] == "sar_nearfield"
