@@ -145,6 +145,10 @@ class MissingExtra(InputError):
     """An optional dependency is not installed; carries the `extra` that brings it."""
 
 
+class NoBrowser(NoAnswer):
+    """No browser is installed that takes a picture of a page, or it drew nothing; carries what it `said`."""
+
+
 class ReaderError(NoAnswer):
     """A live reader gives no reads; carries `host` and `port`."""
 
