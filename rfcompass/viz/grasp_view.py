@@ -3,6 +3,7 @@
 view(robot, estimate, plan, part=leg).save("grasp.html")
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from rfcompass.types.configuration import Configuration
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.grasps import Failure, GraspFailure, GraspPlan, ReachMap
 from rfcompass.types.parts import Part
+from rfcompass.types.placed_shape import PlacedShape
 from rfcompass.types.world import World
 from rfcompass.viz import colours, grasp_layers
 from rfcompass.viz.live_window import LiveView, show_live
@@ -24,8 +26,8 @@ from rfcompass.viz.overlay import Layer, Overlay, StageMark
 from rfcompass.viz.played_motion import homogeneous, play
 from rfcompass.viz.robot_scene import RobotScene
 
-# Where the camera stands, seen from what it looks at, the base's x axis ahead [m]; ours.
-_CAMERA_M = np.array([0.4, -0.65, 0.45])
+# Where the camera stands, seen from what it looks at, for a robot that gets so far away from there [m]; ours.
+_CAMERA_M, _FAR_M = np.array([0.4, -0.65, 0.45]), 0.65
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +89,9 @@ def view(
         scene.move_part([T_world_part])
         layers.append(Layer("part", "part", colours.PART))
     stages = () if sound is None else _draw_motion(scene, robot, sound)
+    still = robot.visual_shapes(at or robot.configuration())
     if not stages:
-        scene.draw_robot([robot.visual_shapes(at or robot.configuration())])
+        scene.draw_robot([still])
     if estimate is not None:
         layers += grasp_layers.draw_belief(scene, estimate)
     if world is not None:
@@ -101,7 +104,7 @@ def view(
         layers.append(grasp_layers.draw_chosen(scene, robot.tool, sound.aperture_m, T_world_hand))
     if candidates and T_world_part is not None:
         layers += grasp_layers.draw_candidates(scene, robot.tool, candidates, T_world_part)
-    scene.look_at(np.array([0.3, 0.0, 0.1]) if T_world_part is None else T_world_part[:3, 3], _CAMERA_M)
+    _aim(scene, still, T_world_part)
     graded = any(row.score is not None for row in candidates)
     title = f"{robot.name}: {'a grasp' if part is None else part.part_id}"
     return View(scene.window, Overlay(title, facts(estimate, plan), tuple(layers), stages, success_scale=graded))
@@ -145,6 +148,13 @@ def _draw_motion(scene: RobotScene, robot: Robot, plan: GraspPlan) -> tuple[Stag
     scene.draw_robot(pictures, times_s=motion.times_s)
     scene.move_part(motion.parts, motion.times_s)
     return motion.stages
+
+
+def _aim(scene: RobotScene, robot: Sequence[PlacedShape], T_world_part: FloatArray | None) -> None:
+    """Look at the part, or at the ground before the robot, from far enough to see both."""
+    target_m = np.array([0.3, 0.0, 0.1]) if T_world_part is None else T_world_part[:3, 3]
+    far_m = max((float(np.linalg.norm(shape.T_world_shape[:3, 3] - target_m)) for shape in robot), default=0.0)
+    scene.look_at(target_m, _CAMERA_M * max(1.0, far_m / _FAR_M))
 
 
 def _where_part(estimate: PartEstimate | None, plan: GraspPlan | None, part: Part | None) -> FloatArray | None:
