@@ -7,6 +7,7 @@ from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.grasp_task import GraspTask, Solution
 from rfcompass.types.grasps import (
+    Contacts,
     Failure,
     GraspCandidate,
     GraspFailure,
@@ -17,6 +18,7 @@ from rfcompass.types.grasps import (
     RunEvent,
     RunLog,
 )
+from rfcompass.types.hands import Hand, Jaw
 from rfcompass.types.motions import STAGES, StageCertificate, TimedPath
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Assembly, Part, StablePose, TagSelection
@@ -38,6 +40,7 @@ __all__ = [
     "Clearance",
     "Comparisons",
     "Configuration",
+    "Contacts",
     "Cylinder",
     "DepthView",
     "ExtractionAction",
@@ -48,7 +51,9 @@ __all__ = [
     "GraspPlan",
     "GraspTask",
     "HalfSpaces",
+    "Hand",
     "InstanceMasks",
+    "Jaw",
     "MeasureAdvice",
     "Mesh",
     "Observation",
