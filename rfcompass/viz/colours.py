@@ -5,7 +5,7 @@ import numpy as np
 from rfcompass.arrays import FloatArray
 
 REGION, PART, PATH, CLOUD = 0xF2C14E, 0xD1495B, 0x3B6EA5, 0x6A3FB5
-OBSTACLE, CHOSEN, REACH, ROBOT = 0x8A99A8, 0x1D2733, 0x7FB800, 0xE5590D
+OBSTACLE, CHOSEN, REACH = 0x8A99A8, 0x1D2733, 0x7FB800
 # Probability of success, from 0 to 1; between the stops colours are mixed.
 SUCCESS_SCALE = ((0.0, 0xD95F02), (0.5, 0xE6C229), (1.0, 0x1A9850))
 # One for each reason of a rejection, in the order of the legend; then they repeat.

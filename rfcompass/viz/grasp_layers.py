@@ -43,7 +43,7 @@ def draw_candidates(
         hands = [_hand(row, tool, T_world_part) for row in drawn]
         chances = np.repeat([row.score or 0.0 for row in drawn], [len(hand.vertices_m) for hand in hands])
         scene.draw_markers("candidates/kept", join(hands), by_vertex=colours.success_rgb(chances))
-        layers.append(Layer("grasps that can be done", "candidates/kept", colours.SUCCESS_SCALE[-1][1], len(kept)))
+        layers.append(Layer("grasps that can be done", "candidates/kept", None, len(kept)))
     for index, (reason, count) in enumerate(count_reasons(candidates).items()):
         colour = colours.REJECTED[index % len(colours.REJECTED)]
         rows = [row for row in candidates if row.rejection is not None and row.rejection.kind == reason]
@@ -85,10 +85,10 @@ def draw_obstacles(scene: RobotScene, world: World) -> tuple[Layer, ...]:
     return (Layer("obstacles", "world", colours.OBSTACLE, still),) if still else ()
 
 
-def draw_reach_layer(scene: RobotScene, reach: ReachMap, T_world_base: Pose2) -> Layer:
-    """Draw what the arm reaches from where the base stands at the grasp."""
+def draw_reach_layer(scene: RobotScene, reach: ReachMap, T_world_base: Pose2, *, shown: bool) -> Layer:
+    """Draw what the arm reaches from where the base stands at the grasp; hidden until asked for unless `shown`."""
     scene.draw_reach(reach, T_world_base)
-    return Layer("places in reach", "reach", colours.REACH, int(reach.reachable.sum()), shown=False)
+    return Layer("places in reach", "reach", colours.REACH, int(reach.reachable.sum()), shown)
 
 
 def _hand(row: GraspCandidate, tool: Tool, T_world_part: FloatArray) -> Triangles:

@@ -81,7 +81,7 @@ def view(
         InputError: If the plan was made for another robot or part, or the part for another estimate.
     """
     _check_same_part(estimate, plan, part)
-    scene, layers = RobotScene(), [Layer("robot", "robot", colours.ROBOT)]
+    scene, layers = RobotScene(), [Layer("robot", "robot", None)]
     sound = plan if isinstance(plan, GraspPlan) else None
     T_world_part = _where_part(estimate, sound, part)
     if part is not None and T_world_part is not None:
@@ -97,7 +97,8 @@ def view(
     if world is not None:
         layers += grasp_layers.draw_obstacles(scene, world)
     if reach is not None:
-        layers.append(grasp_layers.draw_reach_layer(scene, reach, Pose2() if sound is None else sound.base))
+        base = Pose2() if sound is None else sound.base
+        layers.append(grasp_layers.draw_reach_layer(scene, reach, base, shown=plan is None))
     candidates = plan.candidates if isinstance(plan, GraspPlan | GraspFailure) else ()
     if sound is not None:
         T_world_hand = homogeneous(sound.base) @ sound.T_base_hand
@@ -106,7 +107,7 @@ def view(
         layers += grasp_layers.draw_candidates(scene, robot.tool, candidates, T_world_part)
     _aim(scene, still, T_world_part)
     graded = any(row.score is not None for row in candidates)
-    title = f"{robot.name}: {'a grasp' if part is None else part.part_id}"
+    title = robot.name if part is None else f"{robot.name}: {part.part_id}"
     return View(scene.window, Overlay(title, facts(estimate, plan), tuple(layers), stages, success_scale=graded))
 
 

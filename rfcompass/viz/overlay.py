@@ -14,14 +14,14 @@ class Layer(Record):
     Attributes:
         name: What it says.
         node: Path of the scene's node that it shows and hides, for example `"candidates/rejected/too_wide"`.
-        colour: 0xRRGGBB.
+        colour: 0xRRGGBB; None for what has many colours.
         count: How many things of the kind there are, drawn or not; None where nobody counts.
         shown: False if it is hidden until asked for.
     """
 
     name: str
     node: str
-    colour: int
+    colour: int | None
     count: int | None = None
     shown: bool = True
 
@@ -109,7 +109,7 @@ def overlay_html(overlay: Overlay) -> str:
 def _layer(layer: Layer) -> str:
     checked = " checked" if layer.shown else ""
     box = f'<input type="checkbox" data-node="{_text(layer.node)}"{checked}>'
-    swatch = f'<i style="background: {css(layer.colour)}"></i>'
+    swatch = "" if layer.colour is None else f'<i style="background: {css(layer.colour)}"></i>'
     count = "" if layer.count is None else str(layer.count)
     return f'<tr><td><label>{box}{swatch}{_text(layer.name)}</label></td><td class="count">{count}</td></tr>'
 

@@ -58,7 +58,7 @@ def page(tmp_path_factory):
 @pytest.mark.parametrize(
     ("node", "colour", "least"),
     [
-        ("robot", colours.ROBOT, 5000),
+        ("robot", 0xE5590D, 5000),
         ("part", colours.PART, 1000),
         ("belief/cloud", colours.CLOUD, 100),
         ("candidates/kept", colours.SUCCESS_SCALE[-1][1], 50),
