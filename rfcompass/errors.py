@@ -101,6 +101,10 @@ class SceneError(InputError):
     """A scene, a room or what stands in it cannot be; carries, where known, the `key` and what was `got`."""
 
 
+class EstimateError(InputError):
+    """A stored estimate cannot be read or used; carries `file` and, where known, the `key`."""
+
+
 class UnknownMeter(InputError):
     """No proximity meter of that name; carries `meter` and those that are `known`."""
 
@@ -111,6 +115,10 @@ class NoAnswer(RfCompassError):
 
 class TagNeverHeard(NoAnswer):
     """An EPC that was asked for has no read; carries `epc` and `heard`."""
+
+
+class NoEstimate(NoAnswer):
+    """A run ended without an estimate; carries `file` and the `failure` that it ended with."""
 
 
 class NotFocused(NoAnswer):
