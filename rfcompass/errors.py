@@ -101,6 +101,10 @@ class SceneError(InputError):
     """A scene, a room or what stands in it cannot be; carries, where known, the `key` and what was `got`."""
 
 
+class PlanFileError(InputError):
+    """A file of a grasp plan breaks the format, or holds a failure; carries `file` and, where known, `key`."""
+
+
 class EstimateError(InputError):
     """A stored estimate cannot be read or used; carries `file` and, where known, the `key`."""
 

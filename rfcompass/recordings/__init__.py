@@ -15,6 +15,7 @@ from rfcompass.recordings.sllurp_csv import import_sllurp
 from rfcompass.recordings.spool_trace import import_spool
 from rfcompass.recordings.stops import Stops
 from rfcompass.recordings.stored_estimate import read_estimate
+from rfcompass.recordings.stored_plan import read_plan
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
 from rfcompass.recordings.trace_quality import StrayTag, TagQuality, TraceQuality
@@ -52,6 +53,7 @@ __all__ = [
     "part_from_mesh",
     "read_estimate",
     "read_parts",
+    "read_plan",
     "reads_table",
     "record",
     "write_parts",

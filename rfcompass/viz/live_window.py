@@ -23,6 +23,13 @@ class LiveView:
     url: str
     visualizer: "meshcat.Visualizer"
 
+    def wait(self) -> None:
+        """Serve until Ctrl-C, then end the server."""
+        sys.stderr.write("Ctrl-C ends the live view\n")
+        with contextlib.suppress(KeyboardInterrupt):
+            self.visualizer.window.server_proc.wait()
+        self.close()
+
     def close(self) -> None:
         """End the server."""
         window = self.visualizer.window
