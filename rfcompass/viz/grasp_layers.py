@@ -16,14 +16,14 @@ from rfcompass.viz.robot_scene import RobotScene
 from rfcompass.viz.triangles import Triangles, ellipse, hand_glyph, join, needles
 
 # Of a kind no more than this many are drawn, spread over all of them; the legend counts all. Ours.
-MOST_DRAWN = 150
+MOST_DRAWN = 60
 _NEEDLE_M, _CLOUD_HEIGHT_M = 0.05, 0.004
 _ELLIPSE_HOLDS = 0.95
 _REJECTED_OPACITY = 0.35
 
 
 def draw_candidates(
-    scene: RobotScene, tool: Tool, candidates: Sequence[GraspCandidate], T_world_part: FloatArray, shown: bool = True
+    scene: RobotScene, tool: Tool, candidates: Sequence[GraspCandidate], T_world_part: FloatArray, *, shown: bool
 ) -> tuple[Layer, ...]:
     """Draw grasps as hands around the part: coloured by their chance, or greyed with the reason of their rejection.
 

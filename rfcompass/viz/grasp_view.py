@@ -75,7 +75,7 @@ def view(
         part: What is grasped.
         world: Obstacles, in the present base frame.
         reach: What the arm reaches, drawn from where the base stands at the grasp.
-        at: The robot where there is no motion; at rest if None.
+        at: The robot where there is no motion; in its posture "scan", or at rest, if None.
 
     Raises:
         InputError: If the plan was made for another robot or part, or the part for another estimate.
@@ -89,7 +89,7 @@ def view(
         scene.move_part([T_world_part])
         layers.append(Layer("part", "part", colours.PART))
     stages = () if sound is None else _draw_motion(scene, robot, sound)
-    still = robot.visual_shapes(at or robot.configuration())
+    still = robot.visual_shapes(at or _at_rest(robot))
     if not stages:
         scene.draw_robot([still])
     if estimate is not None:
@@ -104,7 +104,7 @@ def view(
         T_world_hand = homogeneous(sound.base) @ sound.T_base_hand
         layers.append(grasp_layers.draw_chosen(scene, robot.tool, sound.aperture_m, T_world_hand))
     if candidates and T_world_part is not None:
-        layers += grasp_layers.draw_candidates(scene, robot.tool, candidates, T_world_part)
+        layers += grasp_layers.draw_candidates(scene, robot.tool, candidates, T_world_part, shown=sound is None)
     _aim(scene, still, T_world_part)
     graded = any(row.score is not None for row in candidates)
     title = robot.name if part is None else f"{robot.name}: {part.part_id}"
@@ -149,6 +149,10 @@ def _draw_motion(scene: RobotScene, robot: Robot, plan: GraspPlan) -> tuple[Stag
     scene.draw_robot(pictures, times_s=motion.times_s)
     scene.move_part(motion.parts, motion.times_s)
     return motion.stages
+
+
+def _at_rest(robot: Robot) -> Configuration:
+    return robot.posture("scan") if "scan" in robot.description.postures else robot.configuration()
 
 
 def _aim(scene: RobotScene, robot: Sequence[PlacedShape], T_world_part: FloatArray | None) -> None:

@@ -70,6 +70,13 @@ def test_a_failure_shows_why_and_what_was_rejected():
     assert not drawn.overlay.success_scale
 
 
+def test_rejected_grasps_hide_behind_a_plan_and_not_behind_a_failure():
+    rejected = tuple(row for row in candidates() if row.rejection is not None)
+    for plan, shown in ((a_plan(), False), (GraspFailure("no_grasp", "none", candidates=rejected), True)):
+        layers = [layer for layer in a_view(plan).overlay.layers if "/rejected/" in layer.node]
+        assert [layer.shown for layer in layers] == [shown] * len(REASONS)
+
+
 def test_a_plain_failure_needs_no_candidates():
     assert dict(a_view(Failure("unreachable", "too far")).overlay.facts)["no grasp"] == "unreachable: too far"
 
