@@ -5,7 +5,7 @@ pitch from straight above and, from straight above, turned about the vertical wi
 origin goes a little beyond the contacts, so that the jaws close with more than their tips.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -161,13 +161,14 @@ def turn(axis: FloatArray, angle_rad: float) -> FloatArray:
     return np.asarray(np.eye(3) + np.sin(angle_rad) * cross + (1 - np.cos(angle_rad)) * cross @ cross)
 
 
-def without_twins(candidates: Iterable[GraspCandidate], tool: Tool) -> list[GraspCandidate]:
+def without_twins(candidates: Sequence[GraspCandidate], tool: Tool) -> list[GraspCandidate]:
     """Drop what a candidate before it says already: the same place and approach, with the jaws either way round."""
-    kept: dict[tuple[float, ...], GraspCandidate] = {}
-    for candidate in candidates:
-        T = candidate.T_part_hand
-        closing = T[:3, :3] @ tool.closing_axis
-        sign = next((np.sign(value) for value in closing if abs(value) > 1e-6), 1.0)
-        row = np.concatenate([T[:3, 3], T[:3, :3] @ tool.approach_axis, sign * closing])
-        kept.setdefault(tuple(np.round(row, 5) + 0.0), candidate)
-    return list(kept.values())
+    if not candidates:
+        return []
+    T = np.array([candidate.T_part_hand for candidate in candidates])
+    closing = T[:, :3, :3] @ tool.closing_axis
+    first = (np.abs(closing) > 1e-6).argmax(axis=1)
+    closing *= np.sign(np.take_along_axis(closing, first[:, None], axis=1))
+    rows = np.round(np.concatenate([T[:, :3, 3], T[:, :3, :3] @ tool.approach_axis, closing], axis=1), 5) + 0.0
+    _, kept = np.unique(rows, axis=0, return_index=True)
+    return [candidates[i] for i in np.sort(kept)]

@@ -12,6 +12,7 @@ from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.grasps import Failure
 from rfcompass.types.parts import Part
 from rfcompass.types.record import Record
+from rfcompass.types.shapes import Cylinder, Shape, Sphere
 from rfcompass.types.world import Body, World
 
 ORIENTATION_UNKNOWN, BAD_COVARIANCE, IN_THE_FLOOR = "orientation_unknown", "bad_covariance", "part_in_the_floor"
@@ -75,7 +76,7 @@ def ask(
     Raises:
         ShapeError: If `start` is of another robot.
     """
-    if estimate.theta_rad is None:
+    if estimate.theta_rad is None and not is_round(part.shape):
         message = "the estimate has no orientation, so the jaws have no direction to close"
         return Failure(ORIENTATION_UNKNOWN, message)
     if (failure := _covariance_failure(estimate) or _floor_failure(part, estimate, world)) is not None:
@@ -89,23 +90,24 @@ def ask(
 
 
 def pose_of(estimate: PartEstimate) -> FloatArray:
-    """Estimated pose of a part as a homogeneous pose in space, shape (4, 4).
-
-    Raises:
-        ValueError: If the estimate has no orientation.
-    """
-    if estimate.theta_rad is None:
-        raise ValueError("the estimate has no orientation")
+    """Estimated pose of a part as a homogeneous pose in space, its heading 0 where that is not known, shape (4, 4)."""
     T = np.eye(4)
-    T[:2, :2] = Pose2(0.0, 0.0, estimate.theta_rad).rotation
+    T[:2, :2] = Pose2(0.0, 0.0, estimate.theta_rad or 0.0).rotation
     T[:2, 3], T[2, 3] = estimate.centre_m, estimate.height_m
     return T
+
+
+def is_round(shape: Shape) -> bool:
+    """True if a shape is the same whatever its heading."""
+    return isinstance(shape, Sphere) or (isinstance(shape, Cylinder) and shape.axis == "z")
 
 
 def _covariance_failure(estimate: PartEstimate) -> Failure | None:
     if len(estimate.samples) or estimate.covariance is None:
         return None
-    spread = np.linalg.eigvalsh((estimate.covariance + estimate.covariance.T) / 2)
+    known = 2 if estimate.theta_rad is None else 3
+    covariance = estimate.covariance[:known, :known]
+    spread = np.linalg.eigvalsh((covariance + covariance.T) / 2)
     if np.isfinite(spread).all() and spread[0] >= -1e-9 * max(spread[-1], 1e-12):
         return None
     message = f"the covariance has the eigenvalue {spread[0]:.3g}; none may be below 0"

@@ -13,13 +13,14 @@ import numpy as np
 
 from planners.antipodal import turn, without_twins
 from planners.closed_form import BEYOND_LIMIT, REACHED, solve_all
+from planners.grasp_question import is_round
 from planners.planar_arm import PlanarArm
 from rfcompass.arrays import FloatArray
 from rfcompass.robots import Robot
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import Failure, GraspCandidate
 from rfcompass.types.hands import Hand
-from rfcompass.types.shapes import Cylinder, Shape, Sphere
+from rfcompass.types.shapes import Shape
 
 UNREACHABLE, JOINT_LIMIT, SCENE_COLLISION = "unreachable", "joint_limit", "scene_collision"
 _UP = np.array([0.0, 0.0, 1.0])
@@ -44,8 +45,7 @@ class Turning:
 
 def turning_for(arm: PlanarArm, shape: Shape, depth_m: float, friction: float) -> Turning:
     """How grasps of a shape may be turned: any way if it is round about the vertical, else inside the friction cone."""
-    is_round = isinstance(shape, Sphere) or (isinstance(shape, Cylinder) and shape.axis == "z")
-    return Turning(arm, depth_m, np.pi if is_round else float(np.arctan(friction)))
+    return Turning(arm, depth_m, np.pi if is_round(shape) else float(np.arctan(friction)))
 
 
 def into_arm_plane(
@@ -59,39 +59,46 @@ def into_arm_plane(
         T_base_part: Pose of the part, shape (4, 4).
         turning: How they may be turned.
     """
-    T_part_base = np.asarray(np.linalg.inv(T_base_part), dtype=np.float64)
-    turned = [
-        row if row.rejection else _turned(row, robot.tool.approach_axis, T_base_part, T_part_base, turning)
-        for row in candidates
-    ]
+    places = [i for i, row in enumerate(candidates) if row.rejection is None]
+    if not places:
+        return list(candidates)
+    T = T_base_part @ np.array([candidates[i].T_part_hand for i in places])
+    approach = T[:, :3, :3] @ robot.tool.approach_axis
+    pivots = T[:, :3, 3] - turning.depth_m * approach
+    angles = _angles(pivots, approach, turning.arm)
+    turned = list(candidates)
+    T_part_base = np.linalg.inv(T_base_part)
+    for k, i in enumerate(places):
+        if abs(angles[k]) > turning.most_rad:
+            turned[i] = replace(turned[i], score=None, rejection=_turns_too_far(float(angles[k]), turning.most_rad))
+        elif angles[k] != 0.0:
+            turned[i] = replace(turned[i], T_part_hand=T_part_base @ _turned(T[k], pivots[k], float(angles[k])))
     return without_twins(turned, robot.tool)
 
 
-def _turned(
-    row: GraspCandidate, axis: FloatArray, T_base_part: FloatArray, T_part_base: FloatArray, turning: Turning
-) -> GraspCandidate:
-    T = T_base_part @ row.T_part_hand
-    approach = T[:3, :3] @ axis
-    if np.hypot(approach[0], approach[1]) < _VERTICAL:
-        return row
-    pivot = T[:3, 3] - turning.depth_m * approach
-    dx, dy = pivot[:2] - turning.arm.axis_m
+def _angles(pivots: FloatArray, approach: FloatArray, arm: PlanarArm) -> FloatArray:
+    """Turns that bring approaches (N, 3) into the arm's plane; 0 for vertical ones [rad], shape (N,)."""
+    offsets = pivots[:, :2] - arm.axis_m
     # The approach may point outwards or back: half a turn of the plane is the same plane.
-    angle = np.arctan2(dy, dx) - np.arctan2(approach[1], approach[0])
-    angle = float((angle + np.pi / 2) % np.pi - np.pi / 2)
-    if abs(angle) > turning.most_rad:
-        message = (
-            f"to approach in the arm's plane the hand would have to turn by {np.rad2deg(abs(angle)):.0f} degrees, "
-            f"and friction holds {np.rad2deg(turning.most_rad):.0f}"
-        )
-        rejection = Failure(UNREACHABLE, message, (("turn_rad", angle), ("most_rad", turning.most_rad)))
-        return replace(row, score=None, rejection=rejection)
-    R = turn(_UP, angle)
-    T[:3, :3] = R @ T[:3, :3]
-    T[:3, 3] = pivot + R @ (T[:3, 3] - pivot)
-    T_part_hand = T_part_base @ T
-    T_part_hand[3] = 0, 0, 0, 1
-    return replace(row, T_part_hand=T_part_hand)
+    angles = np.arctan2(offsets[:, 1], offsets[:, 0]) - np.arctan2(approach[:, 1], approach[:, 0])
+    angles = (angles + np.pi / 2) % np.pi - np.pi / 2
+    return np.where(np.hypot(approach[:, 0], approach[:, 1]) < _VERTICAL, 0.0, angles)
+
+
+def _turns_too_far(angle_rad: float, most_rad: float) -> Failure:
+    message = (
+        f"to approach in the arm's plane the hand would have to turn by {np.rad2deg(abs(angle_rad)):.0f} degrees, "
+        f"and friction holds {np.rad2deg(most_rad):.0f}"
+    )
+    return Failure(UNREACHABLE, message, (("turn_rad", angle_rad), ("most_rad", most_rad)))
+
+
+def _turned(T: FloatArray, pivot: FloatArray, angle_rad: float) -> FloatArray:
+    """A pose, turned about the vertical through a point, shape (4, 4)."""
+    R, found = turn(_UP, angle_rad), np.eye(4)
+    found[:3, :3] = R @ T[:3, :3]
+    found[:3, 3] = pivot + R @ (T[:3, 3] - pivot)
+    return found
 
 
 def floor_failures(
