@@ -25,6 +25,8 @@ def grasp_command(
     drive: Annotated[bool, typer.Option(help="Drive first, if the part is out of reach.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of samples and searches.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write the plan to this JSON file.")] = None,
+    page: Annotated[Path | None, typer.Option(help="Draw the plan, or what was tried, into this HTML file.")] = None,
+    show: Annotated[bool, typer.Option(help="Show the same live in a browser, until Ctrl-C.")] = False,
     overwrite: Annotated[bool, typer.Option(help="Replace a file that is already there.")] = False,
     database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
     as_json: JsonFlag = False,
@@ -34,10 +36,10 @@ def grasp_command(
 
     from planners.grasp import GraspPlanner, GraspRules
     from rfcompass.errors import EstimateError, InputError
-    from rfcompass.files import write_text_atomic
     from rfcompass.recordings import PartDatabase, read_estimate
     from rfcompass.robots import load_robot
     from rfcompass.types import GraspPlan
+    from rfcompass.viz.grasp_view import view
 
     with answering(as_json):
         if out is not None and out.exists() and not overwrite:
@@ -51,19 +53,32 @@ def grasp_command(
         machine = load_robot(robot)
         posture = None if start is None else machine.posture(start)
         planner = GraspPlanner(machine, rules=GraspRules(drive=drive))
-        answer = planner.plan(wanted, seen, _world(scene, base), posture, np.random.default_rng(seed))
-        if not isinstance(answer, GraspPlan):
-            _say_why(answer)
-            if as_json:
-                print_json(grasp_failure_json(answer))
-            raise typer.Exit(EXIT_NO_ANSWER)
-        found = plan_json(answer)
-        if out is not None:
-            write_text_atomic(out, json.dumps(plain(found), allow_nan=False, indent=2) + "\n")
-        if as_json:
-            print_json(found)
+        around = _world(scene, base)
+        answer = planner.plan(wanted, seen, around, posture, np.random.default_rng(seed))
+        drawn = view(machine, seen, answer, part=wanted, world=around, at=posture) if page or show else None
+        if drawn is not None and page is not None:
+            messages().print(f"page: {drawn.save(page)}", markup=False)
+        if isinstance(answer, GraspPlan):
+            _hand_out(answer, out, as_json=as_json)
         else:
-            _show(answer)
+            _say_why(answer, as_json=as_json)
+        if drawn is not None and show:
+            drawn.show().wait()
+        if not isinstance(answer, GraspPlan):
+            raise typer.Exit(EXIT_NO_ANSWER)
+
+
+def _hand_out(plan: "GraspPlan", out: Path | None, *, as_json: bool) -> None:
+    """Write and print a plan."""
+    from rfcompass.files import write_text_atomic
+
+    found = plan_json(plan)
+    if out is not None:
+        write_text_atomic(out, json.dumps(plain(found), allow_nan=False, indent=2) + "\n")
+    if as_json:
+        print_json(found)
+    else:
+        _show(plan)
 
 
 def _world(scene: Path | None, base: tuple[float, float, float]) -> "World":
@@ -83,10 +98,12 @@ def _world(scene: Path | None, base: tuple[float, float, float]) -> "World":
     return world_of_scene(scene_from_json(content), homogeneous(Pose2(*base).inverse()))
 
 
-def _say_why(failure: "GraspFailure") -> None:
+def _say_why(failure: "GraspFailure", *, as_json: bool) -> None:
     console = messages()
     console.print(f"[bold red]{failure.kind}[/]: ", end="")
     console.print(failure.message, markup=False)
+    if as_json:
+        print_json(grasp_failure_json(failure))
 
 
 def _show(plan: "GraspPlan") -> None:

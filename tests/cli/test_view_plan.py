@@ -39,6 +39,33 @@ def test_a_plan_becomes_a_page_beside_it(run, tmp_path):
     assert "rejected: too wide" in page.read_text(encoding="utf-8")
 
 
+def an_estimate(folder, x_m=0.42):
+    """An estimate file as `locate` prints it."""
+    content = {"part": "table_leg_3", "centre_m": [x_m, 0.03], "theta_rad": 1.4, "stops": 1, "height_m": 0.025,
+               "covariance": np.diag([1e-5, 1e-5, 1e-3]).tolist()}  # fmt: skip
+    file = folder / "estimate.json"
+    file.write_text(json.dumps(content))
+    return file
+
+
+def test_a_plan_that_was_stored_is_drawn_as_it_was_when_it_was_made(run, tmp_path):
+    file, plan = an_estimate(tmp_path), tmp_path / "plan.json"
+    ran = run("grasp", file, "--out", plan, "--page", tmp_path / "made.html", "--json")
+    assert ran.code == 0, ran.err
+    assert run("view", plan, "--estimate", file).code == 0
+    made, read = (tmp_path / name for name in ("made.html", "plan.html"))
+    assert f"rejected: {next(iter(ran.json['reasons'])).replace('_', ' ')}" in made.read_text(encoding="utf-8")
+    assert made.read_bytes() == read.read_bytes()
+
+
+def test_why_there_is_no_grasp_is_drawn_too(run, tmp_path):
+    ran = run("grasp", an_estimate(tmp_path, x_m=3.0), "--page", tmp_path / "why.html", "--json")
+    assert ran.code == 1
+    page = (tmp_path / "why.html").read_text(encoding="utf-8")
+    for kind in ran.json["reasons"]:
+        assert f"rejected: {kind.replace('_', ' ')}" in page
+
+
 def test_the_estimate_brings_its_samples(run, tmp_path):
     file = tmp_path / "estimate.json"
     file.write_text(json.dumps({"part": "table_leg_3", "centre_m": [0.4, 0.0], "theta_rad": 0.1, "stops": 1}))
