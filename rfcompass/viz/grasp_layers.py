@@ -43,7 +43,7 @@ def draw_candidates(
         hands = [_hand(row, tool, T_world_part) for row in drawn]
         chances = np.repeat([row.score or 0.0 for row in drawn], [len(hand.vertices_m) for hand in hands])
         scene.draw_markers("candidates/kept", join(hands), by_vertex=colours.success_rgb(chances))
-        layers.append(Layer("grasps that can be done", "candidates/kept", None, len(kept)))
+        layers.append(Layer("grasps not ruled out", "candidates/kept", None, len(kept)))
     for index, (reason, count) in enumerate(count_reasons(candidates).items()):
         colour = colours.REJECTED[index % len(colours.REJECTED)]
         rows = [row for row in candidates if row.rejection is not None and row.rejection.kind == reason]
