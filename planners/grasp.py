@@ -230,7 +230,7 @@ class GraspPlanner:
             T_base_hand=row.T_base_hand,
             T_part_hand=row.candidate.T_part_hand,
             closed_m=stages.closed_m,
-            success_error=0.0 if is_point or chance is None else chance.standard_error,
+            success_sd=0.0 if is_point or chance is None else chance.standard_error,
             risks=() if chance is None else chance.risks,
             stages=stages.timed,
             solution=stages.solution,

@@ -19,6 +19,7 @@ from planners.certificates import certify
 from planners.grasp_worlds import GraspWorlds, start_failure
 from planners.hand_joints import HandJoints
 from planners.ik import IkRules, InverseKinematics
+from planners.margins import with_margin
 from planners.motion_check import MotionChecker, MotionReport
 from planners.path_search import SearchRules
 from planners.path_timing import in_time
@@ -45,7 +46,8 @@ class StageRules(Record):
         beyond_m: How much further than its fingers are long the hand stands off before the approach [m].
         lift_m: Height to lift by [m].
         retreats_m: Lengths of the retreat, the first that can be done [m]; without any the plan ends with the lift.
-        clearance_m: Distance to keep from all that must not be touched at the grasp [m].
+        clearance_m: Distance to keep from all that must not be touched at the grasp, the part included [m].
+        margin_m: What stands around counts as grown by this much, unless robot or part are nearer already [m].
         ik_starts: Starts of the optimisation, for arms without a closed form.
         reach: How hard to look for the way to the pre-grasp.
     """
@@ -54,6 +56,7 @@ class StageRules(Record):
     lift_m: float = 0.05
     retreats_m: tuple[float, ...] = (0.05, 0.025)
     clearance_m: float = 0.0
+    margin_m: float = 0.005
     ik_starts: int = 8
     reach: SearchRules = field(default_factory=SearchRules)
 
@@ -64,7 +67,7 @@ class StageRules(Record):
             ValueError: If one is impossible.
         """
         lengths_are_good = self.beyond_m >= 0 and min(self.lift_m, *self.retreats_m, 1.0) > 0
-        if not (lengths_are_good and self.clearance_m >= 0 and self.ik_starts >= 1):
+        if not (lengths_are_good and min(self.clearance_m, self.margin_m) >= 0 and self.ik_starts >= 1):
             raise ValueError(f"StageRules: lengths and starts must be positive: {self}")
 
 
@@ -134,7 +137,8 @@ class StagePlanner:
         self._ik_rules = IkRules(
             certify=False, explain=False, starts=self.rules.ik_starts, clearance_m=self.rules.clearance_m
         )
-        self._worlds = GraspWorlds(self.robot, self.world, self.part_name, self.joints.fingers)
+        around = with_margin(self.robot, self.world, self._start, self.rules.margin_m, self.part_name)
+        self._worlds = GraspWorlds(self.robot, around, self.part_name, self.joints.fingers)
         self._ik = InverseKinematics(self.robot, model=self._worlds.standing, rules=self._ik_rules)
         self._close_checker = MotionChecker(QuickCollisions(self._worlds.closing))
         touching = self._ik.collisions.touching(self._start)
@@ -207,7 +211,7 @@ class StagePlanner:
         return _Motion(CLOSE, [grasp, closed], report, self._worlds.closing)
 
     def _lift_and_retreat(self, task: GraspTask, closed: Configuration) -> list[_Motion] | Failure:
-        model = self._worlds.holding(self.robot.tool_pose(closed).homogeneous, closed)
+        model = self._worlds.holding(self.robot.tool_pose(closed).homogeneous)
         ik = InverseKinematics(self.robot, model=model, rules=self._ik_rules)
         up = np.array([0.0, 0.0, self.rules.lift_m])
         lift = move_straight(ik, task, closed, up)

@@ -5,18 +5,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from planners.margins import Surroundings
 from rfcompass.arrays import FloatArray
-from rfcompass.robots import CollisionModel, QuickCollisions, Robot
+from rfcompass.robots import CollisionModel, Robot
 from rfcompass.robots.hand import judge_grasp
-from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import Contacts, Failure
 from rfcompass.types.hands import Hand
 from rfcompass.types.world import FLOOR, Body, Clearance, World
 
 START_COLLISION = "start_collision"
-
-# Ours: a part that is this near to a body lies on it or leans against it [m].
-_LIES_ON_M = 1e-3
 
 
 @dataclass(eq=False)
@@ -25,28 +22,31 @@ class GraspWorlds:
 
     Args:
         robot: Robot with a hand.
-        world: Floor and bodies in the present base frame, the part among them where it is thought to lie.
+        around: Floor and bodies in the present base frame, the part among them where it is thought to lie.
         part_name: Name of that body.
         fingers: Links that close on it.
     """
 
     robot: Robot
-    world: World
+    around: Surroundings
     part_name: str
     fingers: Sequence[str]
     standing: CollisionModel = field(init=False)
     closing: CollisionModel = field(init=False)
-    _supports: frozenset[str] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         """Build the models that all grasps share."""
-        self.standing = CollisionModel(self.robot, self.world)
+        self.standing = CollisionModel(self.robot, self._world)
         freed = replace(self._part, may_touch=self._part.may_touch | set(self.fingers))
-        self.closing = CollisionModel(self.robot, self.world.without(self.part_name).with_bodies(freed))
+        self.closing = CollisionModel(self.robot, self._world.without(self.part_name).with_bodies(freed))
+
+    @property
+    def _world(self) -> World:
+        return self.around.world
 
     @property
     def _part(self) -> Body:
-        return next(body for body in self.world.bodies if body.name == self.part_name)
+        return next(body for body in self._world.bodies if body.name == self.part_name)
 
     def reaching(self, touching: Sequence[Clearance]) -> CollisionModel:
         """The model for the way from the start to the pre-grasp.
@@ -56,21 +56,20 @@ class GraspWorlds:
         """
         if not touching:
             return self.standing
-        return CollisionModel(self.robot, self.world, allowed=[(row.first, row.second) for row in touching])
+        return CollisionModel(self.robot, self._world, allowed=[(row.first, row.second) for row in touching])
 
-    def holding(self, T_base_tool: FloatArray, closed: Configuration) -> CollisionModel:
+    def holding(self, T_base_tool: FloatArray) -> CollisionModel:
         """The part in the hand; it may touch the fingers and what it lies on or leans against.
 
         Args:
             T_base_tool: Pose of the tool as it holds the part where it stands, shape (4, 4).
-            closed: Joints at which it does.
         """
         T_tool_part = np.linalg.inv(T_base_tool) @ self._part.T_parent_body
         T_tool_part[3] = 0, 0, 0, 1
-        touches = {*self.fingers, FLOOR, *self._part.may_touch}
-        if self._supports is None:
-            self._supports = self._touched_bodies(self._held(T_tool_part, touches), closed)
-        return self._held(T_tool_part, touches | self._supports)
+        touches = {*self.fingers, FLOOR, *self._part.may_touch, *self.around.supports}
+        return CollisionModel(
+            self.robot, self._world.attach(self.part_name, self.robot.tool.frame, T_tool_part, touches)
+        )  # fmt: skip
 
     def contacts(self, hand: Hand, T_base_hand: FloatArray, opening_m: float) -> Contacts | Failure:
         """Where the jaws close on the part as it stands, or why they do not hold it.
@@ -83,19 +82,6 @@ class GraspWorlds:
         T_part_hand = np.linalg.inv(self._part.T_parent_body) @ T_base_hand
         T_part_hand[3] = 0, 0, 0, 1
         return judge_grasp(hand, self._part.shape, T_part_hand, opening_m=opening_m)
-
-    def _held(self, T_tool_part: FloatArray, touches: set[str] | frozenset[str]) -> CollisionModel:
-        world = self.world.attach(self.part_name, self.robot.tool.frame, T_tool_part, touches)
-        return CollisionModel(self.robot, world)
-
-    def _touched_bodies(self, model: CollisionModel, closed: Configuration) -> frozenset[str]:
-        others = {body.name for body in self.world.bodies} - {self.part_name}
-        if not others:
-            return frozenset()
-        quick = QuickCollisions(model)
-        rows = zip(quick.pair_names, quick.distances(closed), strict=True)
-        near = {name for pair, distance in rows if self.part_name in pair and distance <= _LIES_ON_M for name in pair}
-        return frozenset(near & others)
 
 
 def start_failure(robot: Robot, touching: Sequence[Clearance]) -> Failure | None:

@@ -13,7 +13,7 @@ def plan_json(plan: "GraspPlan") -> dict[str, Any]:
     return {
         "part": plan.part_id,
         "success_probability": plan.success_probability,
-        "success_error": plan.success_error,
+        "success_sd": plan.success_sd,
         "risks": dict(plan.risks),
         "joint_names": names,
         "configuration": plan.configuration,

@@ -137,7 +137,7 @@ class GraspPlan(Record):
         T_base_hand: Pose of the tool frame at the grasp, shape (4, 4).
         T_part_hand: The same in the part's frame, at the estimated pose, shape (4, 4).
         closed_m: Opening after closing on the part [m].
-        success_error: Standard error of the success probability, for the number of samples.
+        success_sd: Standard deviation of that probability, for the number of samples.
         risks: Share of the samples in which the grasp fails, for each reason.
         stages: The motions, in order, within the limits of velocity.
         solution: How the inverse kinematics was solved.
@@ -157,7 +157,7 @@ class GraspPlan(Record):
     T_base_hand: FloatArray = field(default_factory=lambda: np.eye(4))
     T_part_hand: FloatArray = field(default_factory=lambda: np.eye(4))
     closed_m: float = 0.0
-    success_error: float = 0.0
+    success_sd: float = 0.0
     risks: tuple[tuple[str, float], ...] = ()
     stages: tuple[TimedPath, ...] = ()
     solution: Solution | None = None

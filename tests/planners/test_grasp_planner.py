@@ -9,10 +9,11 @@ from grasp_scenes import LEG, ROBOT, SCAN, box_at, estimate, plain_part
 
 from planners.grasp import GraspPlanner, GraspRules
 from planners.hand_joints import hand_joints
+from planners.margins import grown
 from planners.success import success_probability
 from rfcompass.errors import PartError, RobotModelError, ShapeError
 from rfcompass.recordings.parts.mesh import part_from_mesh
-from rfcompass.robots import CollisionModel, FclCollisions, Robot
+from rfcompass.robots import CollisionModel, FclCollisions, QuickCollisions, Robot
 from rfcompass.robots.hand import hand_of
 from rfcompass.types import (
     Body,
@@ -23,6 +24,7 @@ from rfcompass.types import (
     GraspPlan,
     Mesh,
     PartEstimate,
+    Sphere,
     World,
 )
 from rfcompass.types.grasp_noise import GraspNoise
@@ -140,6 +142,37 @@ def test_something_beside_the_middle_moves_the_grasp_along_the_leg():
     assert any("pillar" in row.rejection.message for row in found.candidates if row.rejection)
 
 
+def test_a_margin_is_kept_from_what_stands_around_unless_the_robot_is_nearer():
+    pillar = box_at("pillar", (0.04, 0.06, 0.5), 0.50, 0.0, 0.25)
+    beside = box_at("beside", (0.2, 0.02, 0.1), 0.0, 0.193, 0.1)  # 3 mm from the base
+    world = World((pillar, beside))
+    found = plan(where=estimate(y=0.0, theta=np.pi / 2), world=world)
+    assert isinstance(found, GraspPlan)
+    checker = QuickCollisions(CollisionModel(ROBOT, world))
+    rows = np.concatenate([stage.joints for stage in found.stages])
+    names = checker.pair_names
+    distances = np.array([checker.distances(Configuration(joints)) for joints in rows]).min(axis=0)
+    to = {
+        name: min(d for pair, d in zip(names, distances, strict=True) if name in pair) for name in ("pillar", "beside")
+    }
+    assert to["pillar"] >= 0.005
+    assert 0 < to["beside"] < 0.005
+
+
+@pytest.mark.parametrize("shape", [Box(np.array([0.1, 0.2, 0.3])), Cylinder(0.05, 0.2, "x"), Sphere(0.04)])
+def test_grown_shapes_are_larger_by_the_margin_to_all_sides(shape):
+    larger = grown(shape, 0.01)
+    assert larger.upper_m == pytest.approx(shape.upper_m + 0.01)
+    assert larger.lower_m == pytest.approx(shape.lower_m - 0.01)
+
+
+def test_pieces_of_a_mesh_grow(turned_leg):
+    larger = grown(turned_leg.shape, 0.01)
+    for piece, was in zip(larger.pieces_m, turned_leg.shape.pieces_m, strict=True):
+        assert piece.max(axis=0) == pytest.approx(was.max(axis=0) + 0.01)
+        assert piece.min(axis=0) == pytest.approx(was.min(axis=0) - 0.01)
+
+
 def test_hooks_over_both_ends_block_the_lift():
     hooks = [box_at(f"hook {k}", (0.03, 0.03, 0.02), 0.42, 0.18 * k, 0.065) for k in (-1, 1)]
     planner = GraspPlanner(ROBOT, rules=GraspRules(most_tries=4))
@@ -160,6 +193,13 @@ def test_walls_between_hand_and_leg_are_named():
     blocked = [row.rejection for row in failure.candidates if row.rejection.kind == "scene_collision"]
     assert any("wall 0" in row.message for row in blocked)
     assert failure.base is None
+
+
+def test_a_neighbour_a_few_millimetres_beside_the_leg_does_not_block_the_lift():
+    beside = box_at("beside", (0.02, 0.1, 0.05), 0.42 + 0.025 + 0.01 + 0.003, 0.16, 0.025)
+    found = plan(where=estimate(y=0.0, theta=np.pi / 2), world=World((beside,)))
+    assert isinstance(found, GraspPlan)
+    assert found.defects == ()
 
 
 def test_a_leg_on_a_plank_is_lifted_off_it():
