@@ -53,7 +53,7 @@ def _plan(content: Mapping[str, Any]) -> GraspPlan:
         T_base_hand=_array(content["T_base_hand"]),
         T_part_hand=_array(content["T_part_hand"]),
         closed_m=float(content["closed_m"]),
-        success_error=float(content["success_error"]),
+        success_sd=float(content["success_sd"]),
         risks=tuple((str(kind), float(share)) for kind, share in content["risks"].items()),
         stages=stages,
         base=as_pose2(content["drive_to"]),

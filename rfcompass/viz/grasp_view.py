@@ -130,7 +130,7 @@ def facts(estimate: PartEstimate | None, plan: GraspPlan | Failure | None) -> tu
 
 def _plan_facts(plan: GraspPlan) -> list[tuple[str, str]]:
     chance = plan.success_probability
-    rows = [] if chance is None else [("success", f"{chance:.2f} ± {plan.success_error:.2f}")]
+    rows = [] if chance is None else [("success", f"{chance:.2f} ± {plan.success_sd:.2f}")]
     rows += [(f"fails: {kind.replace('_', ' ')}", f"{share:.1%}") for kind, share in plan.risks if share > 0]
     rows.append(("jaws", f"{1e3 * plan.aperture_m:.0f} mm open, {1e3 * plan.closed_m:.0f} mm closed"))
     rows.append(("clearance", f"{1e3 * plan.clearance_m:.1f} mm at least"))

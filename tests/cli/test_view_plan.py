@@ -21,7 +21,7 @@ def a_plan(tmp_path, **changes):
     ]
     rejected = {"T_part_hand": np.eye(4).tolist(), "score": None, "rejection": "too_wide", "message": "80 mm"}
     content = {
-        "part": "table_leg_3", "success_probability": 0.9, "success_error": 0.01, "risks": {},
+        "part": "table_leg_3", "success_probability": 0.9, "success_sd": 0.01, "risks": {},
         "joint_names": ROBOT.joint_names, "configuration": SCAN, "T_base_hand": T_base_hand,
         "T_part_hand": np.eye(4).tolist(), "aperture_m": 0.075, "closed_m": 0.05, "clearance_m": 0.004,
         "drive_to": [0, 0, 0], "stages": stages, "candidates": [rejected], **changes,

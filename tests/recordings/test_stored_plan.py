@@ -12,7 +12,7 @@ POSE = np.eye(4).tolist()
 STORED = {
     "part": "table_leg_3",
     "success_probability": 0.9,
-    "success_error": 0.01,
+    "success_sd": 0.01,
     "risks": {"hand_hits_part": 0.1},
     "joint_names": ["a", "b"],
     "configuration": [0.2, 0.3],

@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from grasp_scenes import LEG, REASONS, ROBOT, T_BASE_PART, a_plan, a_world, an_estimate, candidates
 
 from rfcompass.errors import InputError
 from rfcompass.geometry import Pose2
+from rfcompass.recordings import part_from_mesh
 from rfcompass.types import Body, Box, Cylinder, Failure, GraspFailure, ReachMap, Sphere, World
 from rfcompass.types.grasps import GraspCandidate
 from rfcompass.viz import colours, grasp_layers
@@ -128,6 +130,18 @@ def test_obstacles_of_every_shape_are_drawn_where_they_are():
     along = {name: placed[name][:3, 1] for name in ("lying", "standing")}  # meshcat's cylinders stand along y
     assert np.abs(along["lying"]) == pytest.approx([1, 0, 0])
     assert np.abs(along["standing"]) == pytest.approx([0, 0, 1])
+
+
+def test_a_part_of_any_shape_is_drawn_as_it_is(tmp_path):
+    profile_m = np.array([[0.0, -0.1], [0.02, -0.1], [0.01, 0.0], [0.02, 0.1], [0.0, 0.1]])
+    trimesh.creation.revolve(profile_m, sections=12).export(tmp_path / "leg.stl")
+    turned = part_from_mesh(tmp_path / "leg.stl", "turned_leg", density_kg_m3=500.0)
+    (body,) = [
+        row["object"] for row in view(ROBOT, replace(an_estimate(), part_id="turned_leg"), part=turned).window.commands
+        if row["type"] == "set_object" and row["path"].endswith("part/body")
+    ]  # fmt: skip
+    drawn = np.frombuffer(body["geometries"][0]["data"]["attributes"]["position"]["array"].data, np.float32)
+    assert drawn.reshape(-1, 3) == pytest.approx(turned.shape.vertices_m, abs=1e-6)
 
 
 def test_the_part_lies_where_the_plan_says():
