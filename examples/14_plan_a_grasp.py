@@ -2,8 +2,9 @@
 
 You will see a grasp of a table leg from an estimate that is good to half a centimetre, what stands behind it (chance,
 certificates, reasons against the other candidates), how a pillar beside the leg moves the grasp along it, a turned
-leg from an STL file, three refusals with their reasons, when it pays to measure once more first, and get `plan.html`,
-a page with the robot going through the plan. Takes 10 s, the first time a minute longer: numba compiles.
+leg from an STL file, three refusals with their reasons, when it pays to measure once more first, and get `plan.html`
+and `turned_leg.html`, pages with the robot going through the plan and all grasps that it chose from. Takes 10 s, the
+first time a minute longer: numba compiles.
 """
 
 import sys
@@ -14,13 +15,11 @@ import trimesh
 
 from planners import GraspPlanner, GraspRules, MeasureAgain
 from planners.hand_stops import HandStops
-from rfcompass import PartDatabase, PartEstimate, Pose2, Robot, YouBot
+from rfcompass import PartDatabase, PartEstimate, YouBot, view
 from rfcompass.localization import NoiseModel
 from rfcompass.recordings import part_from_mesh
 from rfcompass.robots import hand_of
 from rfcompass.types import Body, Box, GraspFailure, GraspPlan, Part, World
-from rfcompass.viz.meshcat_page import write_scene
-from rfcompass.viz.robot_scene import RobotScene
 
 # Radius [m] of a turned leg against its length [m]: it has waists, so it is not convex.
 PROFILE_M = [[0, -0.2], [0.02, -0.2], [0.025, -0.1], [0.015, 0.0], [0.022, 0.1], [0.012, 0.2], [0, 0.2]]
@@ -47,7 +46,9 @@ def main(fast: bool = False, out: Path = Path("runs/14_plan_a_grasp")) -> float:
     out.mkdir(parents=True, exist_ok=True)
     trimesh.creation.revolve(np.array(PROFILE_M), sections=32).export(out / "leg.stl")
     turned = part_from_mesh(out / "leg.stl", "turned_leg", density_kg_m3=500.0)
-    tell(planner.plan(turned, seen(turned, 5e-3, 3.0)))
+    lying = seen(turned, 5e-3, 3.0)
+    answer = planner.plan(turned, lying)
+    tell(answer)
 
     print("what is refused, and why")
     for estimate in (
@@ -58,8 +59,8 @@ def main(fast: bool = False, out: Path = Path("runs/14_plan_a_grasp")) -> float:
         tell(planner.plan(leg, estimate))
 
     measure_first(planner, leg)
-    draw(robot, leg, plan, out / "plan.html")
-    print(f"picture: {out / 'plan.html'}")
+    print(f"picture: {view(robot, seen(leg, 5e-3, 3.0), plan, part=leg).save(out / 'plan.html')}")
+    print(f"picture: {view(robot, lying, answer, part=turned).save(out / 'turned_leg.html')}")
     return plan.success_probability
 
 
@@ -92,16 +93,6 @@ def measure_first(planner: GraspPlanner, leg: Part) -> None:
     adviser = MeasureAgain(robot, hand_of(robot), HandStops(robot=robot, count=12), NoiseModel(alpha_m=0.01))
     advice = adviser.advise(plan, leg, vague, robot.posture("scan"), leg.layout(4), rng)
     print(f"  {advice.message if advice else 'grasp now: another stop would not help'}")
-
-
-def draw(robot: Robot, leg: Part, plan: GraspPlan, page: Path) -> None:
-    """The robot going through all stages, the leg where it seems to lie."""
-    scene = RobotScene()
-    postures = [robot.configuration(joints) for stage in plan.stages for joints in stage.joints]
-    scene.draw_robot([robot.visual_shapes(posture) for posture in postures], seconds_per_stop=0.3)
-    scene.draw_part(leg, Pose2(0.42, 0.0, np.pi / 2), leg.tags.points_m[:2])
-    scene.look_at(np.array([0.3, 0.0, 0.1]), np.array([0.6, -0.8, 0.5]))
-    write_scene(page, scene.window, "A grasp that was planned")
 
 
 if __name__ == "__main__":
