@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rfcompass.types.proximity import ProximityMatrix as ProximityMatrix
     from rfcompass.types.reads import ReadTrace as ReadTrace
     from rfcompass.types.reads import Scan as Scan
+    from rfcompass.viz.grasp_view import view as view
 
 _HOME = {
     "ConsistencyLocalizer": "localization",
@@ -48,6 +49,7 @@ _HOME = {
     "meter": "rf",
     "open_trace": "recordings.trace_store",
     "survey": "localization",
+    "view": "viz.grasp_view",
     "write_trace": "recordings.trace_store",
 }
 
@@ -70,6 +72,7 @@ __all__ = [
     "meter",
     "open_trace",
     "survey",
+    "view",
     "write_trace",
 ]
 

@@ -101,6 +101,14 @@ class SceneError(InputError):
     """A scene, a room or what stands in it cannot be; carries, where known, the `key` and what was `got`."""
 
 
+class PlanFileError(InputError):
+    """A file of a grasp plan breaks the format, or holds a failure; carries `file` and, where known, `key`."""
+
+
+class EstimateError(InputError):
+    """A stored estimate cannot be read or used; carries `file` and, where known, the `key`."""
+
+
 class UnknownMeter(InputError):
     """No proximity meter of that name; carries `meter` and those that are `known`."""
 
@@ -111,6 +119,10 @@ class NoAnswer(RfCompassError):
 
 class TagNeverHeard(NoAnswer):
     """An EPC that was asked for has no read; carries `epc` and `heard`."""
+
+
+class NoEstimate(NoAnswer):
+    """A run ended without an estimate; carries `file` and the `failure` that it ended with."""
 
 
 class NotFocused(NoAnswer):
@@ -143,6 +155,10 @@ class NoRoomForTags(NoAnswer):
 
 class MissingExtra(InputError):
     """An optional dependency is not installed; carries the `extra` that brings it."""
+
+
+class NoBrowser(NoAnswer):
+    """No browser is installed that takes a picture of a page, or it drew nothing; carries what it `said`."""
 
 
 class ReaderError(NoAnswer):

@@ -9,6 +9,7 @@ from rich.logging import RichHandler
 from rfcompass.cli.bench import bench
 from rfcompass.cli.calibrate import calibrate
 from rfcompass.cli.fetch import fetch
+from rfcompass.cli.grasp import grasp_command
 from rfcompass.cli.importing import import_recording
 from rfcompass.cli.layout import layout_command
 from rfcompass.cli.locate import locate
@@ -33,6 +34,7 @@ app = typer.Typer(
 )
 app.command("fetch")(fetch)
 app.command("locate")(locate)
+app.command("grasp")(grasp_command)
 app.command("survey")(survey_command)
 app.command("calibrate")(calibrate)
 app.command("proximity")(proximity)

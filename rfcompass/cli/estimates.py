@@ -52,6 +52,7 @@ def estimate_json(estimate: "PartEstimate", proximity: str) -> dict[str, Any]:
     return {
         "part": estimate.part_id,
         "centre_m": estimate.centre_m,
+        "height_m": estimate.height_m,
         "theta_rad": estimate.theta_rad,
         "bearing_rad": estimate.bearing_rad,
         "distance_m": estimate.distance_m,

@@ -33,6 +33,7 @@ def reach_command(
     from planners import IkRules, InverseKinematics, MapMaker, top_down
     from rfcompass.errors import InputError
     from rfcompass.robots import CollisionModel, load_robot
+    from rfcompass.robots.touching_links import without_always_touching
 
     with answering(as_json):
         if out.exists() and not overwrite:
@@ -40,16 +41,16 @@ def reach_command(
         if not highest > lowest:
             raise InputError(f"--highest {highest} is not above --lowest {lowest}", lowest=lowest, highest=highest)
         machine = load_robot(robot)
-        start = machine.posture("scan") if "scan" in machine.description.postures else machine.configuration()
+        start = _start(machine)
         ik = InverseKinematics(
             machine,
-            model=CollisionModel(machine, with_tags=solid_tags),
+            model=without_always_touching(CollisionModel(machine, with_tags=solid_tags)),
             rules=IkRules(certify=False, explain=False),
         )
         rng = np.random.default_rng(seed)
         volume = _volume(machine, (lowest, highest), spacing)
         messages().print("asking the arm; this takes some seconds, for an arm without a closed form minutes")
-        made = MapMaker(ik=ik, spacing_m=spacing).make(volume, top_down(headings), start, rng)
+        made = MapMaker(ik=ik, spacing_m=spacing, spread=True).make(volume, top_down(headings), start, rng)
         made.save(out)
         page = _draw(machine, start, made, out.with_suffix(".html"))
         share = float(made.reached.mean())
@@ -57,6 +58,16 @@ def reach_command(
         if as_json:
             counts = {"voxels": made.reached.shape[:3], "headings": headings, "reached": int(made.reached.sum())}
             print_json({"map": str(out), "page": str(page), "share": share, "spacing_m": spacing, **counts})
+
+
+def _start(robot: "Robot") -> "Configuration":
+    """Posture "scan"; without one the middle of every joint, as fingers that are closed at rest touch each other."""
+    import numpy as np
+
+    if "scan" in robot.description.postures:
+        return robot.posture("scan")
+    middle = (robot.limits.lower + robot.limits.upper) / 2
+    return robot.configuration(np.where(np.isfinite(middle), middle, 0.0))
 
 
 def _volume(robot: "Robot", heights: tuple[float, float], spacing: float) -> "SearchVolume":

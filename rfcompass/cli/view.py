@@ -1,4 +1,4 @@
-"""`rfcompass view PATH`: a trace or a run as one HTML page."""
+"""`rfcompass view PATH`: a trace, a run or a grasp plan as one HTML page."""
 
 import webbrowser
 from pathlib import Path
@@ -10,23 +10,48 @@ from rfcompass.cli.output import JsonFlag, answering, messages, print_json
 
 if TYPE_CHECKING:
     from rfcompass.recordings import Trace
+    from rfcompass.viz.grasp_view import View
     from rfcompass.viz.page import PagePart
 
 
 def view(
-    path: Annotated[Path, typer.Argument(help="Trace or run folder.")],
-    out: Annotated[Path | None, typer.Option(help="HTML file to write; PATH.html for a trace.")] = None,
-    show: Annotated[bool, typer.Option(help="Open the page in a browser.")] = False,
+    path: Annotated[Path, typer.Argument(help="Trace or run folder, or the JSON file of a grasp plan.")],
+    out: Annotated[Path | None, typer.Option(help="HTML file to write; PATH.html by default.")] = None,
+    show: Annotated[bool, typer.Option(help="Open the page in a browser; a plan live, until Ctrl-C.")] = False,
+    robot: Annotated[str, typer.Option(help="Of a plan: the robot that it moves, by name or file.")] = "youbot",
+    estimate: Annotated[
+        Path | None, typer.Option(help="Of a plan: the estimate that it was made for; draws its samples.")
+    ] = None,
+    database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
     as_json: JsonFlag = False,
 ) -> None:
-    """Draw a trace (antenna path, tags, SAR images, phases) on one page, or lead to the page of a run."""
+    """Draw a trace (antenna path, tags, SAR images, phases) or a grasp plan; or lead to the page of a run."""
     with answering(as_json):
-        target = _run_page(path, out) or _trace_page(path, out)
+        plan = _plan_view(path, robot, estimate, database) if path.is_file() and path.suffix == ".json" else None
+        if plan is not None:
+            target = plan.save(out or path.with_suffix(".html"))
+        else:
+            target = _run_page(path, out) or _trace_page(path, out)
         messages().print(f"page: {target}", markup=False)
         if as_json:
             print_json({"page": str(target)})
-        if show:
+        if show and plan is not None:
+            plan.show().wait()
+        elif show:
             webbrowser.open(target.resolve().as_uri())
+
+
+def _plan_view(path: Path, robot: str, estimate: Path | None, database: Path | None) -> "View":
+    """Draw a grasp plan."""
+    from rfcompass.recordings import PartDatabase, read_estimate, read_plan
+    from rfcompass.robots import load_robot
+    from rfcompass.viz.grasp_view import view as draw
+
+    plan = read_plan(path)
+    with PartDatabase(database) as parts:
+        part = parts.part(plan.part_id)
+    seen = None if estimate is None else read_estimate(estimate, height_m=part.resting_height_m)
+    return draw(load_robot(robot), seen, plan, part=part)
 
 
 def _run_page(path: Path, out: Path | None) -> Path | None:

@@ -14,6 +14,8 @@ from rfcompass.recordings.run_folder import VIEW_FILE, Run, check_target, is_run
 from rfcompass.recordings.sllurp_csv import import_sllurp
 from rfcompass.recordings.spool_trace import import_spool
 from rfcompass.recordings.stops import Stops
+from rfcompass.recordings.stored_estimate import read_estimate
+from rfcompass.recordings.stored_plan import read_plan
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
 from rfcompass.recordings.trace_quality import StrayTag, TagQuality, TraceQuality
@@ -49,7 +51,9 @@ __all__ = [
     "is_run",
     "open_trace",
     "part_from_mesh",
+    "read_estimate",
     "read_parts",
+    "read_plan",
     "reads_table",
     "record",
     "write_parts",

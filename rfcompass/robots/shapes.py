@@ -11,7 +11,7 @@ from rfcompass.arrays import FloatArray
 from rfcompass.errors import RobotModelError
 from rfcompass.robots.packages import resolve
 from rfcompass.robots.urdf_xml import first_child, pose, vector
-from rfcompass.types.placed_shape import PlacedShape
+from rfcompass.types.placed_shape import DRAWN_MESHES, PlacedShape
 
 _GREY = (0.7, 0.7, 0.72, 1.0)
 
@@ -35,18 +35,31 @@ class LinkShape:
 
 
 def read_visuals(root: Element, urdf: Path, package_dirs: Sequence[Path]) -> tuple[LinkShape, ...]:
-    """Read every visual of a robot; meshes that are nowhere are left out, as a viewer cannot draw them.
+    """Read what to draw of a robot: every visual; of a link whose meshes cannot be drawn, its collision shapes.
+
+    A mesh can be drawn if its file is there and is STL or OBJ; many URDFs have DAE for the eye and STL for collisions.
+    What has neither is left out.
 
     Raises:
         RobotModelError: If a size, pose or colour is no number.
     """
     colours = {material.get("name", ""): colour for material in root.findall("material") if (colour := _rgba(material))}
-    return tuple(
-        shape
-        for link in root.findall("link")
-        for visual in link.findall("visual")
-        if (shape := _read_shape(link.get("name", ""), visual, colours, (urdf, package_dirs))) is not None
-    )
+
+    def read(link: Element, kind: str) -> list[LinkShape | None]:
+        found, name = link.findall(kind), link.get("name", "")
+        return [_read_shape(name, element, colours, (urdf, package_dirs)) for element in found]
+
+    drawn: list[LinkShape] = []
+    for link in root.findall("link"):
+        seen = read(link, "visual")
+        shown = [shape for shape in seen if shape is not None and _can_be_drawn(shape)]
+        stand_in = [] if len(shown) == len(seen) else read(link, "collision")
+        drawn += [shape for shape in stand_in if shape is not None and _can_be_drawn(shape)] or shown
+    return tuple(drawn)
+
+
+def _can_be_drawn(shape: LinkShape) -> bool:
+    return shape.mesh is None or shape.mesh.suffix.lower() in DRAWN_MESHES
 
 
 def read_collisions(root: Element, urdf: Path, package_dirs: Sequence[Path]) -> tuple[LinkShape, ...]:

@@ -6,7 +6,20 @@ from rfcompass.types.epc import canonical_epc
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.grasp_task import GraspTask, Solution
-from rfcompass.types.grasps import Failure, GraspCandidate, GraspOutcome, GraspPlan, ReachMap, RunEvent, RunLog
+from rfcompass.types.grasps import (
+    Contacts,
+    Failure,
+    GraspCandidate,
+    GraspFailure,
+    GraspOutcome,
+    GraspPlan,
+    MeasureAdvice,
+    ReachMap,
+    RunEvent,
+    RunLog,
+)
+from rfcompass.types.hands import Hand, Jaw
+from rfcompass.types.motions import STAGES, StageCertificate, TimedPath
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Assembly, Part, StablePose, TagSelection
 from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, VoxelGrid
@@ -20,22 +33,28 @@ from rfcompass.types.world import Body, Clearance, World, world_of_scene
 
 __all__ = [
     "ROLES",
+    "STAGES",
     "Assembly",
     "Body",
     "Box",
     "Clearance",
     "Comparisons",
     "Configuration",
+    "Contacts",
     "Cylinder",
     "DepthView",
     "ExtractionAction",
     "Failure",
     "GraspCandidate",
+    "GraspFailure",
     "GraspOutcome",
     "GraspPlan",
     "GraspTask",
     "HalfSpaces",
+    "Hand",
     "InstanceMasks",
+    "Jaw",
+    "MeasureAdvice",
     "Mesh",
     "Observation",
     "Part",
@@ -51,11 +70,13 @@ __all__ = [
     "Solution",
     "Sphere",
     "StablePose",
+    "StageCertificate",
     "TagFix",
     "TagLayout",
     "TagPositions",
     "TagRead",
     "TagSelection",
+    "TimedPath",
     "VoxelGrid",
     "World",
     "canonical_epc",

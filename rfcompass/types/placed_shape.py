@@ -9,6 +9,8 @@ from rfcompass.arrays import FloatArray, read_only
 from rfcompass.errors import InputError, ShapeError
 from rfcompass.types.record import Record
 
+# Kinds of mesh files that viewers draw.
+DRAWN_MESHES = (".stl", ".obj")
 # Numbers that each kind of shape has.
 DIMENSIONS = {"box": 3, "cylinder": 2, "sphere": 1, "mesh": 3}
 

@@ -1,27 +1,33 @@
 """The robot, its tags, the part and what is known about it, drawn into a meshcat scene."""
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import meshcat.geometry as shapes
 import numpy as np
 from meshcat.animation import Animation
 
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import InputError
 from rfcompass.geometry.pose2 import Pose2, as_pose2
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.grasps import ReachMap
 from rfcompass.types.parts import Part
 from rfcompass.types.placed_shape import PlacedShape
+from rfcompass.types.world import World
+from rfcompass.viz import colours
+from rfcompass.viz.drawn_shapes import (
+    T_shape_geometry,
+    T_solid_geometry,
+    flat_material,
+    material,
+    placed_geometry,
+    solid_geometry,
+    surface,
+)
 from rfcompass.viz.meshcat_page import RecordingWindow
+from rfcompass.viz.triangles import Triangles, polygon
 
-if TYPE_CHECKING:
-    import meshcat
-
-REGION_COLOUR, PART_COLOUR, PATH_COLOUR = 0xF2C14E, 0xD1495B, 0x3B6EA5
-# meshcat's cylinders stand along y, ours and URDF's along z.
-_Z_FROM_Y = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
+_FRAMES_PER_SECOND = 30
+_SAME_M = 1e-9  # a link that moves less than this [m, or of its axes' tips] stands still
 
 
 class RobotScene:
@@ -31,6 +37,7 @@ class RobotScene:
         """Start with an empty floor under a bright sky."""
         self.window = RecordingWindow()
         self._root = self.window.visualizer()
+        self._animation = Animation(default_framerate=_FRAMES_PER_SECOND)
         self._root["/Background"].set_property("top_color", [0.85, 0.9, 0.95])
         self._root["/Background"].set_property("bottom_color", [1.0, 1.0, 1.0])
 
@@ -40,48 +47,66 @@ class RobotScene:
         self._root["/Cameras/default"].set_transform(_shifted(target_m))
         self._root["/Cameras/default/rotated/<object>"].set_property("position", [x, z, -y])  # three.js: y is up
 
-    def draw_robot(self, stops: Sequence[Sequence[PlacedShape]], seconds_per_stop: float = 1.0) -> None:
+    def draw_robot(
+        self,
+        stops: Sequence[Sequence[PlacedShape]],
+        seconds_per_stop: float = 1.0,
+        times_s: Sequence[float] | None = None,
+    ) -> None:
         """Draw a robot at its last stop, and play its way there.
 
         Args:
             stops: All shapes of the robot, placed in the world, at each stop; the same shapes at every stop.
             seconds_per_stop: Time from one stop to the next in the animation [s].
+            times_s: When it is at each stop [s]; evenly spaced if None.
         """
-        for index, shape in enumerate(stops[-1]):
-            node = self._root["robot"][f"{index}_{shape.link}"]
-            node.set_object(_geometry(shape), _material(_hex(shape.rgba), float(shape.rgba[3])))
-            node.set_transform(_placed(shape))
-        if len(stops) > 1:
-            self._root.set_animation(_animation(self._root, stops, seconds_per_stop), play=True, repetitions=1)
+        when_s = [seconds_per_stop * stop for stop in range(len(stops))] if times_s is None else times_s
+        ways: dict[str, list[FloatArray]] = {}
+        for link, indices in _by_link(stops[-1]).items():
+            first = indices[0]
+            T_first_world = np.asarray(np.linalg.inv(stops[-1][first].T_world_shape), dtype=np.float64)
+            for index in indices:
+                self._draw_shape(f"robot/{link}/{index}", stops[-1][index], T_first_world)
+            ways[f"robot/{link}"] = [stop[first].T_world_shape for stop in stops]
+        self._move(ways, when_s)
 
     def draw_part(self, part: Part, T_world_part: Pose2, tags_m: FloatArray) -> None:
         """Draw a part as it is believed to lie, with its tags.
 
         Args:
-            part: Its bounding box is drawn.
+            part: What to draw.
             T_world_part: Pose on the floor.
             tags_m: Tags in the part frame [m], shape (K, 3).
         """
-        T = _lifted(T_world_part, part.resting_height_m)
         node = self._root["part"]
-        node["body"].set_object(shapes.Box(part.size_m.tolist()), _material(PART_COLOUR, 0.6))
-        node["body"].set_transform(T)
+        node["body"].set_object(solid_geometry(part.shape), material(colours.PART, 0.6))
+        node["body"].set_transform(T_solid_geometry(part.shape))
         for k, tag_m in enumerate(tags_m):
-            node[f"tag_{k}"].set_object(shapes.Box([0.044, 0.004, 0.044]), _material(0xFFFFFF, 1.0))
-            node[f"tag_{k}"].set_transform(T @ _shifted(tag_m))
+            node[f"tag_{k}"].set_object(shapes.Box([0.044, 0.004, 0.044]), material(0xFFFFFF))
+            node[f"tag_{k}"].set_transform(_shifted(tag_m))
+        self.move_part([_lifted(T_world_part, part.resting_height_m)])
+
+    def move_part(self, poses: Sequence[FloatArray], times_s: Sequence[float] = (0.0,)) -> None:
+        """Put the part at the last of its poses in the world, shape (4, 4) each, and play its way there."""
+        self._move({"part": poses}, times_s)
+
+    def draw_world(self, world: World) -> None:
+        """Draw every body that stands still, under its name; the floor is the grid."""
+        for body in world.bodies:
+            if body.stands_still:
+                node = self._root["world"][body.name]
+                node.set_object(solid_geometry(body.shape), material(colours.OBSTACLE, 0.5))
+                node.set_transform(body.T_parent_body @ T_solid_geometry(body.shape))
 
     def draw_region(self, name: str, vertices_m: FloatArray, height_m: float = 0.002) -> None:
         """Draw a convex polygon on the floor; vertices in the world [m], counter-clockwise, shape (V, 2)."""
-        if len(vertices_m) < 3:
-            return
-        points = np.column_stack([vertices_m, np.full(len(vertices_m), height_m)])
-        fan = np.array([[0, i, i + 1] for i in range(1, len(points) - 1)])
-        self._root["region"][name].set_object(shapes.TriangularMeshGeometry(points, fan), _material(REGION_COLOUR, 0.7))
+        if len(vertices_m) >= 3:
+            self._root["region"][name].set_object(surface(polygon(vertices_m, height_m)), material(colours.REGION, 0.7))
 
     def draw_path(self, name: str, points_m: FloatArray) -> None:
         """Draw a line through points on the floor; points in the world [m], shape (S, 2)."""
         points = np.column_stack([points_m, np.full(len(points_m), 0.01)]).astype(np.float32)
-        line = shapes.Line(shapes.PointsGeometry(points.T), shapes.LineBasicMaterial(color=PATH_COLOUR, linewidth=3))
+        line = shapes.Line(shapes.PointsGeometry(points.T), shapes.LineBasicMaterial(color=colours.PATH, linewidth=3))
         self._root["path"][name].set_object(line)
 
     def draw_reach(self, reach_map: ReachMap, T_world_base: Pose2) -> None:
@@ -89,10 +114,8 @@ class RobotScene:
         voxels = np.argwhere(reach_map.reachable)
         share = reach_map.share[tuple(voxels.T)]
         points_m = reach_map.origin_m + reach_map.spacing_m * voxels
-        colours = np.column_stack([1 - share, share, np.full(len(share), 0.2)])
-        cloud = shapes.PointCloud(
-            points_m.T.astype(np.float32), colours.T.astype(np.float32), size=reach_map.spacing_m / 3
-        )
+        rgb = np.column_stack([1 - share, share, np.full(len(share), 0.2)])
+        cloud = shapes.PointCloud(points_m.T.astype(np.float32), rgb.T.astype(np.float32), size=reach_map.spacing_m / 3)
         self._root["reach"].set_object(cloud)
         self._root["reach"].set_transform(_lifted(T_world_base, 0.0))
 
@@ -103,47 +126,55 @@ class RobotScene:
         if placed.theta_rad is not None:
             self.draw_part(part, as_pose2([*placed.centre_m, placed.theta_rad]), tags_m)
 
+    def draw_markers(
+        self,
+        node: str,
+        markers: Triangles,
+        colour: int = 0,
+        *,
+        by_vertex: FloatArray | None = None,
+        opacity: float = 1.0,
+    ) -> None:
+        """Draw flat-coloured triangles, given in the world.
 
-def _animation(root: "meshcat.Visualizer", stops: Sequence[Sequence[PlacedShape]], seconds: float) -> Animation:
-    animation = Animation(default_framerate=30)
-    for stop, placed in enumerate(stops):
-        with animation.at_frame(root, round(30 * seconds * stop)) as frame:
-            for index, shape in enumerate(placed):
-                frame["robot"][f"{index}_{shape.link}"].set_transform(_placed(shape))
-    return animation
+        Args:
+            node: Path of the node, for example `"candidates/chosen"`.
+            markers: What to draw.
+            colour: 0xRRGGBB of all of it.
+            by_vertex: Colour of each vertex in place of that, in [0, 1], shape (V, 3).
+            opacity: 1 hides what is behind.
+        """
+        tint = 0xFFFFFF if by_vertex is not None else colour
+        drawn = flat_material(tint, opacity, by_vertex=by_vertex is not None)
+        self._root[node].set_object(surface(markers, by_vertex), drawn)
+
+    def _draw_shape(self, node: str, shape: PlacedShape, T_link_world: FloatArray) -> None:
+        """Draw a shape of the robot in the node of its link."""
+        drawn = material(colours.packed(shape.rgba), float(shape.rgba[3]))
+        self._root[node].set_object(placed_geometry(shape), drawn)
+        self._root[node].set_transform(T_link_world @ shape.T_world_shape @ T_shape_geometry(shape))
+
+    def _move(self, ways: Mapping[str, Sequence[FloatArray]], times_s: Sequence[float]) -> None:
+        """Put each node at the last of its poses, and play its way there if it moves."""
+        moving = []
+        for node, poses in ways.items():
+            self._root[node].set_transform(poses[-1])
+            if max(np.abs(T - poses[0]).max() for T in poses) > _SAME_M:
+                moving.append(node)
+        for index, time_s in enumerate(times_s):
+            with self._animation.at_frame(self._root, _FRAMES_PER_SECOND * float(time_s)) as frame:
+                for node in moving:
+                    frame[node].set_transform(ways[node][index])
+        if moving:
+            self._root.set_animation(self._animation, play=True, repetitions=1)
 
 
-def _geometry(shape: PlacedShape) -> shapes.Geometry:
-    match shape.kind:
-        case "box":
-            return shapes.Box(shape.dimensions_m.tolist())
-        case "cylinder":
-            radius, length = shape.dimensions_m.tolist()
-            return shapes.Cylinder(length, radius)
-        case "sphere":
-            return shapes.Sphere(float(shape.dimensions_m[0]))
-    if shape.mesh is None or shape.mesh.suffix.lower() not in (".stl", ".obj"):
-        raise InputError(f"link {shape.link}: cannot draw mesh {shape.mesh}", link=shape.link)
-    loader = shapes.StlMeshGeometry if shape.mesh.suffix.lower() == ".stl" else shapes.ObjMeshGeometry
-    return loader.from_file(str(shape.mesh))
-
-
-def _placed(shape: PlacedShape) -> FloatArray:
-    """Pose of meshcat's geometry for a shape: turned if a cylinder, scaled if a mesh."""
-    if shape.kind == "cylinder":
-        return np.asarray(shape.T_world_shape @ _Z_FROM_Y)
-    if shape.kind == "mesh":
-        return np.asarray(shape.T_world_shape @ np.diag([*shape.dimensions_m, 1.0]))
-    return shape.T_world_shape
-
-
-def _material(colour: int, opacity: float) -> shapes.Material:
-    return shapes.MeshPhongMaterial(color=colour, opacity=opacity, transparent=opacity < 1.0)
-
-
-def _hex(rgba: FloatArray) -> int:
-    red, green, blue = (round(255 * float(value)) for value in rgba[:3])
-    return (red << 16) + (green << 8) + blue
+def _by_link(stop: Sequence[PlacedShape]) -> dict[str, list[int]]:
+    """Indices of the shapes of each link."""
+    found: dict[str, list[int]] = {}
+    for index, shape in enumerate(stop):
+        found.setdefault(shape.link, []).append(index)
+    return found
 
 
 def _lifted(pose: Pose2, height_m: float) -> FloatArray:

@@ -5,6 +5,7 @@ import pytest
 
 from planners import load_task_map
 from rfcompass.robots.layouts import data_folder
+from rfcompass.robots.packages import extra_folder
 
 COARSE = ("--spacing", 0.08, "--headings", 2)
 
@@ -31,6 +32,16 @@ def test_solid_tags_take_grasps_away(run, tmp_path):
     assert not (maps[1] & ~maps[0]).any()
     assert maps[1].sum() < maps[0].sum()
     assert np.isfinite(maps[0].mean())
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(extra_folder() is None, reason="the robots extra is not installed")
+def test_an_arm_with_closed_fingers_and_links_that_always_touch_has_a_map_too(run, tmp_path):
+    file = tmp_path / "map.npz"
+    ran = run("reach", "--robot", "panda", "--spacing", 0.2, "--headings", 1, "--out", file, "--json")
+    assert ran.code == 0, ran.err
+    assert ran.json["share"] > 0.3
+    assert (tmp_path / "map.html").is_file()
 
 
 @pytest.mark.parametrize(

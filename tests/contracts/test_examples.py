@@ -13,9 +13,10 @@ def test_an_example_runs_and_leaves_a_picture(example, tmp_path, capsys):
     result = runpy.run_path(str(example))["main"](fast=True, out=tmp_path / "out")
     assert result is not None
     pictures = [path for path in (tmp_path / "out").iterdir() if path.suffix in (".png", ".html")]
+    told = capsys.readouterr().out
     assert pictures
     for picture in pictures:
-        assert picture.name in capsys.readouterr().out
+        assert picture.name in told
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)

@@ -1,5 +1,7 @@
 """Maps of grasps hold what inverse kinematics says, come back from disk, and agree with an earlier reach study."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from collision_scenes import ROBOT, at
@@ -125,6 +127,21 @@ def test_an_arm_without_a_closed_form_is_sampled_and_verified():
     assert sampled.reached.any()
     with pytest.raises(ValueError, match="rng"):
         made.make(volume, directions, start)
+
+
+@pytest.mark.skipif(extra_folder() is None, reason="the robots extra is not installed")
+def test_a_map_that_spreads_holds_all_that_was_sampled_and_is_verified_too():
+    panda = load_robot("panda")
+    start = panda.configuration({"panda_joint4": -2.0, "panda_joint6": 1.6, "panda_finger_joint1": 0.04})
+    volume, directions = SearchVolume([0.3, -0.2, 0.2], [0.7, 0.2, 0.3]), top_down(2)
+    plain = maker(panda, World(floor_m=None), spacing_m=0.2, starts=4)
+    sampled = plain.make(volume, directions, start, np.random.default_rng(3)).reached
+    spread = replace(plain, spread=True).make(volume, directions, start, np.random.default_rng(3))
+    assert not (sampled & ~spread.reached).any()
+    assert spread.reached.sum() > sampled.sum() > 0
+    for index in np.argwhere(spread.reached)[::3]:
+        task = directions.task(spread.centres_m(index[:3]), int(index[3]))
+        assert isinstance(plain.ik.solve(task, start), Solution)
 
 
 # --- The reach study: youBot, fingers of the published length, tips 0.0789 from arm_link_5, no tags ------------------

@@ -44,6 +44,18 @@ def test_a_mesh_is_named_and_not_opened_and_a_missing_one_is_left_out(tmp_path):
     assert visuals(tmp_path, '<mesh filename="package://nobody/missing.stl"/>') == ()
 
 
+def test_a_link_whose_meshes_cannot_be_drawn_shows_its_collision_shapes(tmp_path):
+    for name in ("eye.dae", "solid.stl"):
+        (tmp_path / name).touch()
+    dae, missing = '<mesh filename="eye.dae"/>', '<mesh filename="missing.stl"/>'
+    solids = '<geometry><mesh filename="solid.stl"/></geometry>', '<geometry><box size="1 2 3"/></geometry>'
+    behind = "".join(f"</visual><collision>{solid}</collision><visual>" for solid in solids)
+    for hidden in (dae, missing):
+        shown = visuals(tmp_path, f"{hidden}</geometry>{behind}<geometry>{hidden}")
+        assert [shape.kind for shape in shown] == ["mesh", "box"]
+    assert visuals(tmp_path, dae) == ()
+
+
 def test_a_colour_of_its_own_wins_and_no_colour_is_grey(tmp_path):
     (own,) = visuals(tmp_path, '<sphere radius="1"/>', '<material name="red"><color rgba="0 1 0 1"/></material>')
     (none,) = visuals(tmp_path, '<sphere radius="1"/>')

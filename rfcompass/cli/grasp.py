@@ -1,0 +1,127 @@
+"""`rfcompass grasp ESTIMATE`: choose a grasp for an estimate and plan every motion of it."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from rfcompass.cli.grasp_json import grasp_failure_json, plan_json
+from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, messages, plain, print_json, print_table
+
+if TYPE_CHECKING:
+    from rfcompass.types import GraspFailure, GraspPlan, World
+
+
+def grasp_command(
+    estimate: Annotated[Path, typer.Argument(help="What locate printed, as a file; or a run folder.")],
+    part: Annotated[str | None, typer.Option(help="Part to grasp; by default what the estimate says.")] = None,
+    robot: Annotated[str, typer.Option(help="Robot with a hand, by name or file.")] = "youbot",
+    scene: Annotated[Path | None, typer.Option(help="Scene file: what stands around.")] = None,
+    base: Annotated[
+        tuple[float, float, float], typer.Option(help="Pose of the base in the scene: x, y [m], heading [rad].")
+    ] = (0.0, 0.0, 0.0),
+    start: Annotated[str | None, typer.Option(help="Posture to start from; scan, or at rest, by default.")] = None,
+    drive: Annotated[bool, typer.Option(help="Drive first, if the part is out of reach.")] = False,
+    seed: Annotated[int, typer.Option(min=0, help="Of samples and searches.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Write the plan to this JSON file.")] = None,
+    page: Annotated[Path | None, typer.Option(help="Draw the plan, or what was tried, into this HTML file.")] = None,
+    show: Annotated[bool, typer.Option(help="Show the same live in a browser, until Ctrl-C.")] = False,
+    overwrite: Annotated[bool, typer.Option(help="Replace a file that is already there.")] = False,
+    database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
+    as_json: JsonFlag = False,
+) -> None:
+    """Plan a grasp in the base frame of the estimate; say why, if there is none."""
+    import numpy as np
+
+    from planners.grasp import GraspPlanner, GraspRules
+    from rfcompass.errors import EstimateError, InputError
+    from rfcompass.recordings import PartDatabase, read_estimate
+    from rfcompass.robots import load_robot
+    from rfcompass.types import GraspPlan
+    from rfcompass.viz.grasp_view import view
+
+    with answering(as_json):
+        if out is not None and out.exists() and not overwrite:
+            raise InputError(f"{out} is there already; --overwrite replaces it", file=str(out))
+        seen = read_estimate(estimate, height_m=0.0)  # only for the part's name: it knows how high it lies
+        if part is not None and part != seen.part_id:
+            raise EstimateError(f"{estimate}: is about {seen.part_id}, not {part}", file=str(estimate), key="part")
+        with PartDatabase(database) as parts:
+            wanted = parts.part(seen.part_id)
+        seen = read_estimate(estimate, height_m=wanted.resting_height_m)
+        machine = load_robot(robot)
+        posture = None if start is None else machine.posture(start)
+        planner = GraspPlanner(machine, rules=GraspRules(drive=drive))
+        around = _world(scene, base)
+        answer = planner.plan(wanted, seen, around, posture, np.random.default_rng(seed))
+        drawn = view(machine, seen, answer, part=wanted, world=around, at=posture) if page or show else None
+        if drawn is not None and page is not None:
+            messages().print(f"page: {drawn.save(page)}", markup=False)
+        if isinstance(answer, GraspPlan):
+            _hand_out(answer, out, as_json=as_json)
+        else:
+            _say_why(answer, as_json=as_json)
+        if drawn is not None and show:
+            drawn.show().wait()
+        if not isinstance(answer, GraspPlan):
+            raise typer.Exit(EXIT_NO_ANSWER)
+
+
+def _hand_out(plan: "GraspPlan", out: Path | None, *, as_json: bool) -> None:
+    """Write and print a plan."""
+    from rfcompass.files import write_text_atomic
+
+    found = plan_json(plan)
+    if out is not None:
+        write_text_atomic(out, json.dumps(plain(found), allow_nan=False, indent=2) + "\n")
+    if as_json:
+        print_json(found)
+    else:
+        _show(plan)
+
+
+def _world(scene: Path | None, base: tuple[float, float, float]) -> "World":
+    """What stands around, in the present base frame."""
+    from rfcompass.errors import SceneError
+    from rfcompass.geometry import Pose2
+    from rfcompass.robots.collision_model import homogeneous
+    from rfcompass.types import World, world_of_scene
+    from rfcompass.types.scene_json import scene_from_json
+
+    if scene is None:
+        return World()
+    try:
+        content: Any = json.loads(scene.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as cause:
+        raise SceneError(f"{scene}: cannot be read as JSON: {cause}", file=str(scene)) from cause
+    return world_of_scene(scene_from_json(content), homogeneous(Pose2(*base).inverse()))
+
+
+def _say_why(failure: "GraspFailure", *, as_json: bool) -> None:
+    console = messages()
+    console.print(f"[bold red]{failure.kind}[/]: ", end="")
+    console.print(failure.message, markup=False)
+    if as_json:
+        print_json(grasp_failure_json(failure))
+
+
+def _show(plan: "GraspPlan") -> None:
+    chance = "not known" if plan.success_probability is None else f"{plan.success_probability:.2f}"
+    x, y, z = 100 * plan.T_base_hand[:3, 3]
+    typer.echo(f"{plan.part_id}: success {chance}, hand at x {x:.1f} cm  y {y:.1f} cm  z {z:.1f} cm")
+    typer.echo(f"nothing comes nearer than {1e3 * plan.clearance_m:.1f} mm; {plan.duration_s:.1f} s in all")
+    rows = [
+        (
+            row.stage,
+            f"{stage.duration_s:.2f}",
+            len(stage.times_s),
+            row.pairs,
+            row.fcl_checks,
+            f"{1e3 * row.at_least_m:.1f}",
+        )
+        for stage, row in zip(plan.stages, plan.certificates, strict=True)
+    ]
+    print_table("stages", ("name", "s", "waypoints", "pairs", "fcl looks", "at least mm"), rows)
+    counts = ", ".join(f"{count} {kind}" for kind, count in plan.reasons.items())
+    messages().print(f"{len(plan.candidates)} grasps looked at; rejected: {counts or 'none'}", markup=False)
