@@ -4,7 +4,7 @@
     localise   drive so that the hand can be over the part → move the hand, scan, localise, a few times
 
 [Wang2013], sections 3.2 and 4.2.B. The loop acts on estimates and on what the robot believes about itself. Grasping
-follows once there is a grasp planner.
+follows in `planners.pick_up`.
 """
 
 from collections.abc import Generator, Iterator, Sequence
@@ -50,6 +50,7 @@ class FetchRules:
         max_line_ups: Base moves for lining up.
         max_step_m: Longest single drive [m]; the paper's window holds 2 m of travel.
         max_antenna_moves: How often the antenna's carrier may come nearer at one stop, each time with another scan.
+        stops_anew: Hand stops after a failed try of the grasp, or after a drive to where it is in reach.
     """
 
     reach_m: float = 0.6
@@ -61,6 +62,7 @@ class FetchRules:
     max_line_ups: int = 3
     max_step_m: float = 2.0
     max_antenna_moves: int = 2
+    stops_anew: int = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +127,18 @@ class Fetch:
         yield from self._line_up(step.estimate)
         for place in self.rules.hand_sweep[1:]:
             yield from self._hand_stop(*place)
+
+    def measure_anew(self, *, part_moved: bool) -> Generator[FetchStep, None, FetchStep]:
+        """Make the first hand stops again.
+
+        Args:
+            part_moved: Forget all older stops: the hand has bumped the part.
+        """
+        if part_moved:
+            self._observations.clear()
+        for place in self.rules.hand_sweep[: self.rules.stops_anew]:
+            step = yield from self._hand_stop(*place)
+        return step
 
     def _navigate(self) -> Generator[FetchStep, None, FetchStep]:
         for _ in range(self.rules.max_moves + 1):

@@ -149,6 +149,10 @@ class OutOfReach(NoAnswer):
     """The arm cannot go there; carries the target and the smallest `miss_m` found."""
 
 
+class GraspFailed(NoAnswer):
+    """The part is not in the hand; carries the `reason`, and how many `tries` were made."""
+
+
 class NoRoomForTags(NoAnswer):
     """There are not as many places for tags as asked for; carries how many were `placed`."""
 

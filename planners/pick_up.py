@@ -1,0 +1,123 @@
+"""The last phase of RF-Compass: plan a grasp from the estimate, carry it out, and measure again after a failed try.
+
+[Wang2013], section 3.2: a try that fails bumps the part, so the robot measures anew before the next one. The budget of
+tries and drives is bounded; what ends without the part in the hand ends with a typed reason.
+"""
+
+from collections.abc import Generator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from planners.fetch import Fetch, FetchStep
+from planners.grasp import GraspPlanner
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import GraspFailed
+from rfcompass.types.grasps import GraspFailure, GraspOutcome, GraspPlan
+from rfcompass.types.motions import CLOSE, DRIVE
+from rfcompass.types.parts import Part
+from rfcompass.types.record import Record
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PickUpRules(Record):
+    """How much may be tried. All values are ours.
+
+    Attributes:
+        max_tries: Closings of the hand.
+        max_drives: Drives to where a grasp is in reach.
+    """
+
+    max_tries: int = 3
+    max_drives: int = 3
+
+
+@dataclass(frozen=True, slots=True)
+class GraspTrial(Record):
+    """One closing of the hand.
+
+    Attributes:
+        plan: What was carried out.
+        outcome: What the hand felt.
+    """
+
+    plan: GraspPlan
+    outcome: GraspOutcome
+
+
+PickUpEvent: TypeAlias = FetchStep | GraspTrial
+
+
+@dataclass(slots=True)
+class PickUp:
+    """Picks up what a fetch has found; iterate over `events()`.
+
+    Args:
+        fetch: The loop, after its last stop.
+        planner: Plans grasps for its robot.
+        part: What lies there.
+        rules: How much may be tried.
+    """
+
+    fetch: Fetch
+    planner: GraspPlanner
+    part: Part
+    rules: PickUpRules = field(default_factory=PickUpRules)
+
+    def events(self, found: FetchStep) -> Generator[PickUpEvent, None, None]:
+        """Plan, grasp, and measure again where that fails; ends when the part is in the hand.
+
+        Args:
+            found: The last stop of the fetch.
+
+        Raises:
+            GraspFailed: If there is no grasp, or the last try failed as well; `reason` is the kind of the last failure.
+            NoAnswer: If the part cannot be located again.
+        """
+        step, tries, drives = found, 0, 0
+        while True:
+            answer = self.planner.plan(self.part, step.estimate, start=step.configuration)
+            if isinstance(answer, GraspFailure):
+                if answer.base is None or drives == self.rules.max_drives:
+                    raise GraspFailed(f"no grasp: {answer.message}", reason=answer.kind, tries=tries)
+                drives += 1
+                self.fetch.device.move_base(answer.base)
+                step = yield from self.fetch.measure_anew(part_moved=False)
+                continue
+            trial = GraspTrial(answer, self._carried_out(answer))
+            yield trial
+            tries += 1
+            if trial.outcome.success:
+                return
+            if tries == self.rules.max_tries:
+                failure = trial.outcome.failure
+                reason, message = ("nothing_held", "nothing is held") if failure is None else (
+                    failure.kind, failure.message)  # fmt: skip
+                raise GraspFailed(f"{message}, after {tries} tries", reason=reason, tries=tries)
+            step = yield from self.fetch.measure_anew(part_moved=True)
+
+    def _carried_out(self, plan: GraspPlan) -> GraspOutcome:
+        """Go through the stages; after a failed try back to where the approach began.
+
+        Raises:
+            GraspFailed: If the plan lacks a certificate.
+        """
+        if plan.defects:
+            raise GraspFailed(f"a plan that is not sound: {'; '.join(plan.defects)}", reason="not_certified")
+        outcome = GraspOutcome(False)
+        for stage in plan.stages:
+            if stage.stage == DRIVE:
+                self.fetch.device.move_base(plan.base)
+            elif stage.stage == CLOSE:
+                outcome = self.fetch.device.close_hand()
+                if not outcome.success:
+                    self._follow(plan.approach[::-1])
+                    return outcome
+                self._follow(stage.joints)
+            else:
+                self._follow(stage.joints)
+        return outcome
+
+    def _follow(self, joints: FloatArray) -> None:
+        """Move the arm along waypoints, shape (T, Q)."""
+        for waypoint in joints:
+            self.fetch.device.move_arm(waypoint)
