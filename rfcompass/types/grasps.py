@@ -130,7 +130,8 @@ class GraspPlan(Record):
         approach: Joint path from pre-grasp to grasp, shape (A, Q).
         retreat: Joint path after the jaws have closed: lift and retreat, shape (B, Q).
         aperture_m: Opening before closing [m].
-        clearance_m: No two things that must not touch come nearer than this, along the whole path [m].
+        clearance_m: No two things that must not touch come nearer than this, along the whole path [m]; bodies that
+            stand around count as grown by the planner's margin.
         success_probability: Probability of a firm grasp under the estimate; None for a point estimate.
         candidates: Every candidate that was looked at.
         part_id: What is grasped.

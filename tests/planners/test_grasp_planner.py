@@ -9,12 +9,16 @@ from grasp_scenes import LEG, ROBOT, SCAN, box_at, estimate, plain_part
 
 from planners.grasp import GraspPlanner, GraspRules
 from planners.hand_joints import hand_joints
+from planners.ik import IkRules, InverseKinematics
 from planners.margins import grown
+from planners.reachability import MapMaker
 from planners.success import success_probability
+from planners.task_map import top_down
 from rfcompass.errors import PartError, RobotModelError, ShapeError
 from rfcompass.recordings.parts.mesh import part_from_mesh
-from rfcompass.robots import CollisionModel, FclCollisions, QuickCollisions, Robot
+from rfcompass.robots import CollisionModel, FclCollisions, QuickCollisions, Robot, load_robot
 from rfcompass.robots.hand import hand_of
+from rfcompass.robots.packages import extra_folder
 from rfcompass.types import (
     Body,
     Box,
@@ -24,6 +28,7 @@ from rfcompass.types import (
     GraspPlan,
     Mesh,
     PartEstimate,
+    SearchVolume,
     Sphere,
     World,
 )
@@ -330,6 +335,40 @@ def test_it_drives_there_if_it_may():
     T = np.eye(4)
     T[:2, :2], T[:2, 3] = found.base.rotation, found.base.translation_m
     assert np.linalg.norm((T @ found.T_base_hand)[:2, 3] - [1.6, 0.5]) < 0.2
+
+
+def test_with_a_map_the_place_to_drive_to_weighs_the_whole_estimate():
+    quick = InverseKinematics(ROBOT, rules=IkRules(certify=False, explain=False))
+    volume = SearchVolume([0.26, -0.2, 0.015], [0.5, 0.2, 0.055])
+    task_map = MapMaker(ik=quick, spacing_m=0.04).make(volume, top_down(12), SCAN)
+    failure = plan(where=estimate(**FAR), planner=GraspPlanner(ROBOT, task_map=task_map))
+    refuse("unreachable", failure)
+    without = plan(where=estimate(**FAR))
+    assert failure.base != without.base
+    there = plan(where=estimate(**FAR).in_frame(failure.base.inverse()))
+    assert isinstance(there, GraspPlan)
+
+
+def test_the_hand_goes_around_a_post_on_its_way_there():
+    aside = SCAN.joints.copy()
+    aside[0] += 1.4
+    post = box_at("post", (0.04, 0.04, 0.6), 0.34, -0.1, 0.3)
+    found = plan(where=estimate(y=0.03, theta=np.pi / 2), world=World((post,)), start=Configuration(aside))
+    assert isinstance(found, GraspPlan)
+    assert len(found.stages[0].joints) > 2
+    assert found.defects == ()
+
+
+@pytest.mark.skipif(extra_folder() is None, reason="the robots extra is not installed")
+def test_an_arm_without_a_closed_form_grasps_as_well():
+    panda = load_robot("panda")
+    planner = GraspPlanner(panda, rules=GraspRules(samples=200))
+    found = planner.plan(LEG, estimate(x=0.45, y=0.1), World(floor_m=-0.001))
+    assert isinstance(found, GraspPlan)
+    assert found.defects == ()
+    assert found.solution.method in ("sqp", "ipopt")
+    T = panda.tool_pose(panda.configuration(found.configuration)).homogeneous
+    assert T[:3, 3] == pytest.approx(found.T_base_hand[:3, 3], abs=1e-6)
 
 
 def test_rules_that_cannot_be_are_refused():
