@@ -9,6 +9,7 @@ from rfcompass import YouBot
 from rfcompass.errors import InputError, RobotModelError
 from rfcompass.robots import Robot, hand_of, load_robot
 from rfcompass.robots.hand import opening_at
+from rfcompass.robots.packages import extra_folder
 from rfcompass.robots.youbot import PAYLOAD_KG
 from rfcompass.types import Jaw
 
@@ -94,8 +95,8 @@ def test_the_opening_follows_the_finger_joints(q):
     assert opening_at(robot, HAND.with_opening(0.10), at) == pytest.approx(0.025 + 3 * q)
 
 
+@pytest.mark.skipif(extra_folder() is None, reason="the extra 'robots' is not installed")
 def test_other_robots_have_hands_too_or_say_why_not():
-    pytest.importorskip("example_robot_data", reason="the extra 'robots' is not installed")
     panda = hand_of(load_robot("panda"))
     assert panda.least_m == pytest.approx(0.0, abs=1e-9)
     assert panda.greatest_m == pytest.approx(0.08, abs=1e-3)
