@@ -7,7 +7,9 @@ import pytest
 
 from rfcompass import YouBot
 from rfcompass.errors import InputError, RobotModelError
-from rfcompass.robots import Robot, hand_of
+from rfcompass.robots import Robot, hand_of, load_robot
+from rfcompass.robots.hand import opening_at
+from rfcompass.robots.packages import extra_folder
 from rfcompass.robots.youbot import PAYLOAD_KG
 from rfcompass.types import Jaw
 
@@ -83,3 +85,22 @@ def test_fingers_that_slide_across_the_closing_axis_are_refused():
     tool = replace(described.tool, closing_axis=np.array([1.0, 0.0, 0.0]))
     with pytest.raises(RobotModelError, match="slide along the closing axis"):
         hand_of(Robot(replace(described, tool=tool)))
+
+
+@pytest.mark.parametrize("q", [0.0, 0.01, 0.025])
+def test_the_opening_follows_the_finger_joints(q):
+    robot = YouBot()
+    at = robot.configuration({"gripper_finger_joint_l": q, "gripper_finger_joint_r": q, "arm_joint_2": 1.0})
+    assert opening_at(robot, HAND, at) == pytest.approx(0.025 + 2 * q)
+    assert opening_at(robot, HAND.with_opening(0.10), at) == pytest.approx(0.025 + 3 * q)
+
+
+@pytest.mark.skipif(extra_folder() is None, reason="the extra 'robots' is not installed")
+def test_other_robots_have_hands_too_or_say_why_not():
+    panda = hand_of(load_robot("panda"))
+    assert panda.least_m == pytest.approx(0.0, abs=1e-9)
+    assert panda.greatest_m == pytest.approx(0.08, abs=1e-3)
+    assert panda.payload_kg == np.inf
+    for turning in ("pr2", "tiago"):
+        with pytest.raises(RobotModelError, match="slide along the closing axis"):
+            hand_of(load_robot(turning))
