@@ -96,25 +96,53 @@ class Attempts(Record):
         return np.asarray(np.cumsum(ends)[1:] / len(self.tries))
 
 
-def run_trials(
-    source: ErrorSource,
-    rules: Mapping[str, GraspRule],
-    rng: np.random.Generator,
-    *,
-    runs: int = 1000,
-    cap: int = CAP,
-    combined: bool = False,
-) -> dict[str, Attempts]:
-    """Attempt until success, many times; all rules judge the same draws.
+@dataclass(frozen=True, slots=True)
+class Runs(Record):
+    """Errors of all attempts of many runs, as drawn before any hand judges them.
+
+    Attributes:
+        offset_m: Estimated centres in the frame of the true part [m], R runs of at most T attempts, shape (R, T, 2).
+        theta_rad: Estimated orientations [rad], shape (R, T).
+    """
+
+    offset_m: FloatArray
+    theta_rad: FloatArray
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays and check that they fit."""
+        object.__setattr__(self, "theta_rad", read_only(self.theta_rad, "Runs.theta_rad", (None, None)))
+        shape = (*self.theta_rad.shape, 2)
+        object.__setattr__(self, "offset_m", read_only(self.offset_m, "Runs.offset_m", shape))
+
+    def combined(self) -> "Runs":
+        """The same measurements where each attempt uses the mean of all of its run so far, not the newest alone.
+
+        For parts that a failed attempt does not move, and for errors that a new measurement draws anew: a bias that
+        all measurements share does not average out.
+        """
+        count = np.arange(1, self.theta_rad.shape[1] + 1)
+        sine, cosine = (wave(self.theta_rad).cumsum(axis=1) for wave in (np.sin, np.cos))
+        return Runs(self.offset_m.cumsum(axis=1) / count[:, None], np.arctan2(sine, cosine))
+
+    def attempts(self, run: IntArray, start: int, end: int) -> Draws:
+        """Attempts of some runs, one run after the other.
+
+        Args:
+            run: Which runs, shape (S,).
+            start: First attempt, from 0.
+            end: The attempt after the last.
+        """
+        return Draws(self.offset_m[run, start:end].reshape(-1, 2), self.theta_rad[run, start:end].ravel())
+
+
+def draw_runs(source: ErrorSource, rng: np.random.Generator, *, runs: int = 1000, cap: int = CAP) -> Runs:
+    """Draw the errors of all attempts, each independent of all others [Wang2013], section 6.3.
 
     Args:
         source: Where the error of each attempt comes from.
-        rules: What is asked, by name.
         rng: Source of all draws.
         runs: Number of runs.
         cap: Attempts after which a run is given up.
-        combined: Each attempt uses the mean of all measurements of its run so far instead of the newest alone. The
-            part must not move between them.
 
     Raises:
         InputError: If there is no run or no attempt.
@@ -122,10 +150,22 @@ def run_trials(
     if runs < 1 or cap < 1:
         raise InputError(f"{runs} runs of at most {cap} attempts: at least one each", runs=runs, cap=cap)
     draws = source.draw(runs * cap, rng)
-    offset_m, theta_rad = draws.offset_m.reshape(runs, cap, 2), draws.theta_rad.reshape(runs, cap)
-    if combined:
-        offset_m, theta_rad = _means_so_far(offset_m, theta_rad)
-    return {name: _until_success(rule, offset_m, theta_rad) for name, rule in rules.items()}
+    return Runs(draws.offset_m.reshape(runs, cap, 2), draws.theta_rad.reshape(runs, cap))
+
+
+def until_success(runs: Runs, rule: GraspRule) -> Attempts:
+    """Attempt until the part is held; only runs that still go on are judged, in blocks."""
+    count, cap = runs.theta_rad.shape
+    tries, held = np.full(count, cap), np.zeros(count, dtype=np.bool_)
+    start, block = 0, _FIRST_BLOCK
+    while start < cap and not held.all():
+        going, end = np.flatnonzero(~held), min(start + block, cap)
+        success = rule.holds(runs.attempts(going, start, end)).reshape(len(going), end - start)
+        ended = success.any(axis=1)
+        held[going[ended]] = True
+        tries[going[ended]] = start + 1 + success[ended].argmax(axis=1)
+        start, block = end, min(2 * block, _LARGEST_BLOCK)
+    return Attempts(tries, held, cap)
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,26 +255,3 @@ def factor_bounds(median_m: float, width_m: float, share_by_opening_m: Mapping[f
     above = [ratio[opening_m] for opening_m, share in share_by_opening_m.items() if share > 0.5]
     below = [ratio[opening_m] for opening_m, share in share_by_opening_m.items() if share < 0.5]
     return FactorBounds(max(above, default=0.0), min(below, default=np.inf))
-
-
-def _until_success(rule: GraspRule, offset_m: FloatArray, theta_rad: FloatArray) -> Attempts:
-    """Judge attempts in blocks, and only those of runs that still go on."""
-    runs, cap = theta_rad.shape
-    tries, held = np.full(runs, cap), np.zeros(runs, dtype=np.bool_)
-    start, block = 0, _FIRST_BLOCK
-    while start < cap and not held.all():
-        going, end = np.flatnonzero(~held), min(start + block, cap)
-        draws = Draws(offset_m[going, start:end].reshape(-1, 2), theta_rad[going, start:end].ravel())
-        success = rule.holds(draws).reshape(len(going), end - start)
-        ended = success.any(axis=1)
-        held[going[ended]] = True
-        tries[going[ended]] = start + 1 + success[ended].argmax(axis=1)
-        start, block = end, min(2 * block, _LARGEST_BLOCK)
-    return Attempts(tries, held, cap)
-
-
-def _means_so_far(offset_m: FloatArray, theta_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mean offset and mean direction of the first, the first two, … attempts of each run."""
-    count = np.arange(1, theta_rad.shape[1] + 1)
-    mean_rad = np.arctan2(np.sin(theta_rad).cumsum(axis=1), np.cos(theta_rad).cumsum(axis=1))
-    return offset_m.cumsum(axis=1) / count[:, None], mean_rad

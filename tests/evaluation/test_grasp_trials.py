@@ -15,9 +15,10 @@ from rfcompass.evaluation.grasp_trials import (
     GraspRule,
     ThresholdRule,
     chance_of,
+    draw_runs,
     factor_bounds,
     implied_factor,
-    run_trials,
+    until_success,
 )
 
 WIDTH_M = 0.05
@@ -36,6 +37,12 @@ class AcrossRule:
 
     def holds(self, draws):
         return np.abs(draws.offset_m[:, 1]) <= self.most_m
+
+
+def run_trials(source, rules, rng, *, runs=1000, cap=1000, combined=False):
+    drawn = draw_runs(source, rng, runs=runs, cap=cap)
+    drawn = drawn.combined() if combined else drawn
+    return {name: until_success(drawn, rule) for name, rule in rules.items()}
 
 
 def rules(openings_m=(0.075, 0.085, 0.10), factors=(0.5, 1.0)):
@@ -130,19 +137,11 @@ def test_combining_measurements_helps_where_errors_are_independent():
 def test_combined_errors_are_the_means_of_the_measured_ones():
     pairs = ErrorPairs(distance_m=np.array([0.04]), theta_rad=np.array([0.2]))
     raw = pairs.draw(6, np.random.default_rng(12))
-    seen = []
-
-    @dataclass(frozen=True)
-    class Spy:
-        def holds(self, draws):
-            seen.append(draws)
-            return np.zeros(len(draws), dtype=bool)
-
-    run_trials(pairs, {"spy": Spy()}, np.random.default_rng(12), runs=1, cap=6, combined=True)
+    combined = draw_runs(pairs, np.random.default_rng(12), runs=1, cap=6).combined()
     for t in range(6):
-        np.testing.assert_allclose(seen[0].offset_m[t], raw.offset_m[: t + 1].mean(axis=0))
+        np.testing.assert_allclose(combined.offset_m[0, t], raw.offset_m[: t + 1].mean(axis=0))
     unit = np.exp(1j * raw.theta_rad).cumsum()
-    np.testing.assert_allclose(seen[0].theta_rad, np.angle(unit), atol=1e-12)
+    np.testing.assert_allclose(combined.theta_rad[0], np.angle(unit), atol=1e-12)
 
 
 @given(st.floats(0.05, 0.95), st.sampled_from([0.075, 0.085, 0.10]))
@@ -186,7 +185,7 @@ def test_a_threshold_needs_positive_sizes(name):
 def test_no_run_and_no_attempt_are_refused():
     for runs, cap in ((0, 5), (5, 0)):
         with pytest.raises(InputError, match="at least one"):
-            run_trials(FAMILY, rules(), np.random.default_rng(0), runs=runs, cap=cap)
+            draw_runs(FAMILY, np.random.default_rng(0), runs=runs, cap=cap)
 
 
 def test_attempts_must_fit_each_other():
