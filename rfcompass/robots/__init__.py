@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from rfcompass.robots.description import RobotDescription as RobotDescription
     from rfcompass.robots.description import Tool as Tool
     from rfcompass.robots.fcl_collisions import FclCollisions as FclCollisions
+    from rfcompass.robots.grasp_batch import judge_grasps as judge_grasps
+    from rfcompass.robots.grasp_judge import judge_grasp as judge_grasp
+    from rfcompass.robots.hand import hand_of as hand_of
     from rfcompass.robots.layouts import known_layouts as known_layouts
     from rfcompass.robots.layouts import load_layout as load_layout
     from rfcompass.robots.layouts import write_layout as write_layout
@@ -49,6 +52,9 @@ _HOME = {
     "check_urdf": "checks",
     "describe_robot": "library",
     "described_robots": "library",
+    "hand_of": "hand",
+    "judge_grasp": "grasp_judge",
+    "judge_grasps": "grasp_batch",
     "known_layouts": "layouts",
     "known_robots": "library",
     "load_layout": "layouts",
@@ -75,6 +81,9 @@ __all__ = [
     "check_urdf",
     "describe_robot",
     "described_robots",
+    "hand_of",
+    "judge_grasp",
+    "judge_grasps",
     "known_layouts",
     "known_robots",
     "load_layout",

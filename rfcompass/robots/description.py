@@ -26,14 +26,18 @@ class Tool(Record):
         frame: URDF link whose origin is the grasp point.
         approach_axis: Direction in which the hand moves towards a part, in that frame, unit vector, shape (3,).
         closing_axis: Direction along which the fingers close, in that frame, unit vector, shape (3,).
+        payload_kg: Heaviest thing that the arm may carry [kg]; infinite if nobody said so.
     """
 
     frame: str
     approach_axis: FloatArray
     closing_axis: FloatArray
+    payload_kg: float = np.inf
 
     def __post_init__(self) -> None:
-        """Freeze the axes; they must be perpendicular and of length one."""
+        """Freeze the axes; they must be perpendicular and of length one, and the payload above zero."""
+        if not self.payload_kg > 0:
+            raise RobotModelError(f"tool {self.frame}: payload {self.payload_kg} kg is not above 0", frame=self.frame)
         for name in ("approach_axis", "closing_axis"):
             object.__setattr__(self, name, read_only(getattr(self, name), f"Tool.{name}", (3,)))
         axes = np.array([self.approach_axis, self.closing_axis])
@@ -113,7 +117,9 @@ def _read_tool(file: JsonFile) -> Tool | None:
     frame = file.text("tool_frame", "")
     if not frame:
         return None
-    return Tool(frame, file.vector("approach_axis", (0.0, 0.0, 1.0)), file.vector("closing_axis", (0.0, 1.0, 0.0)))
+    approach_axis = file.vector("approach_axis", (0.0, 0.0, 1.0))
+    closing_axis = file.vector("closing_axis", (0.0, 1.0, 0.0))
+    return Tool(frame, approach_axis, closing_axis, file.number("payload_kg", np.inf))
 
 
 def _read_postures(file: JsonFile) -> dict[str, dict[str, float]]:

@@ -6,7 +6,17 @@ from rfcompass.types.epc import canonical_epc
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.fixes import TagFix
 from rfcompass.types.grasp_task import GraspTask, Solution
-from rfcompass.types.grasps import Failure, GraspCandidate, GraspOutcome, GraspPlan, ReachMap, RunEvent, RunLog
+from rfcompass.types.grasps import (
+    Contacts,
+    Failure,
+    GraspCandidate,
+    GraspOutcome,
+    GraspPlan,
+    ReachMap,
+    RunEvent,
+    RunLog,
+)
+from rfcompass.types.hands import Hand, Jaw
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Assembly, Part, StablePose, TagSelection
 from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, VoxelGrid
@@ -26,6 +36,7 @@ __all__ = [
     "Clearance",
     "Comparisons",
     "Configuration",
+    "Contacts",
     "Cylinder",
     "DepthView",
     "ExtractionAction",
@@ -35,7 +46,9 @@ __all__ = [
     "GraspPlan",
     "GraspTask",
     "HalfSpaces",
+    "Hand",
     "InstanceMasks",
+    "Jaw",
     "Mesh",
     "Observation",
     "Part",

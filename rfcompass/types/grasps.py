@@ -25,6 +25,28 @@ class Failure(Record):
 
 
 @dataclass(frozen=True, slots=True)
+class Contacts(Record):
+    """Where two jaws hold a part, in the part frame; the left jaw first.
+
+    Attributes:
+        points_m: Middle of each contact [m], shape (2, 3).
+        normals: Outward unit normals of the part there, shape (2, 3).
+        width_m: Distance of the jaws when they have closed [m].
+        angles_rad: Angle between the closing direction and each normal [rad], shape (2,).
+    """
+
+    points_m: FloatArray
+    normals: FloatArray
+    width_m: float
+    angles_rad: FloatArray
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays."""
+        for name, shape in (("points_m", (2, 3)), ("normals", (2, 3)), ("angles_rad", (2,))):
+            object.__setattr__(self, name, read_only(getattr(self, name), f"Contacts.{name}", shape))
+
+
+@dataclass(frozen=True, slots=True)
 class GraspCandidate(Record):
     """One way to grasp the part, kept whether or not it survived.
 
