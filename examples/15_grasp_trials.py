@@ -5,8 +5,9 @@ and asks three rules whether the part would be held: the hand's own geometry, |e
 
     python examples/15_grasp_trials.py my_errors.csv      # columns: docs/grasp_trials.md
 
-You will see attempts and chances for four hands, and the c of |e| <= c (G - w) that the geometry is worth, and get `attempts.png`. Without a
-file the example makes one up, `errors.csv`, of a localiser that is better across the part than along it. Takes 5 s.
+You will see attempts and chances for four hands, and which c of |e| <= c (G - w) the geometry is worth, and get
+`attempts.png`. Without a file the example makes one up, `errors.csv`, of a localiser that is better across the part
+than along it. Takes 5 s.
 """
 
 import sys

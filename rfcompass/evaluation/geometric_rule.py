@@ -49,15 +49,16 @@ class GeometricRule(Record):
         return np.asarray(T_true_estimated @ self.T_part_hand)
 
 
-def from_above(hand: Hand, height_m: float = 0.0) -> FloatArray:
-    """Pose of a hand over the part's centre: pointing down, jaws across the part's x axis, shape (4, 4).
+def from_above(hand: Hand, height_m: float = 0.0, along_m: float = 0.0) -> FloatArray:
+    """Pose of a hand over a part: pointing down, jaws across the part's x axis, shape (4, 4).
 
     Args:
         hand: The hand.
         height_m: How far its tool frame is above the part's centre [m].
+        along_m: How far it is from the centre along x [m].
     """
     jaws_across_part = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])  # hand axes in the part frame
     T_part_hand = np.eye(4)
     T_part_hand[:3, :3] = jaws_across_part @ hand.R_tool_hand.T
-    T_part_hand[2, 3] = height_m
+    T_part_hand[:3, 3] = along_m, 0.0, height_m
     return T_part_hand

@@ -93,10 +93,15 @@ def rules(opening_m: float) -> dict[str, GraspRule]:
 
 
 @cache
-def geometric_rule(opening_m: float) -> GeometricRule:
-    """The youBot's hand with fingers mounted for this opening [m], over the middle of the leg."""
+def geometric_rule(opening_m: float, along_m: float = 0.0) -> GeometricRule:
+    """The youBot's hand with fingers mounted for this opening, over the leg.
+
+    Args:
+        opening_m: Opening of the hand [m].
+        along_m: How far from the middle of the leg it grasps [m].
+    """
     hand = _hand().with_opening(opening_m)
-    return GeometricRule(hand, leg().shape, from_above(hand, HEIGHT_M))
+    return GeometricRule(hand, leg().shape, from_above(hand, HEIGHT_M, along_m))
 
 
 @cache

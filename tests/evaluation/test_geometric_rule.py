@@ -25,10 +25,10 @@ def draws(x_m=0.0, y_m=0.0, theta_rad=0.0):
 
 
 def test_the_planned_pose_points_down_with_the_jaws_across():
-    T = from_above(HAND, 0.01)
+    T = from_above(HAND, 0.01, 0.12)
     np.testing.assert_allclose(T[:3, :3] @ HAND.approach_axis, [0, 0, -1], atol=1e-12)
     np.testing.assert_allclose(T[:3, :3] @ HAND.closing_axis, [0, 1, 0], atol=1e-12)
-    np.testing.assert_allclose(T[:3, 3], [0, 0, 0.01])
+    np.testing.assert_allclose(T[:3, 3], [0.12, 0, 0.01])
     assert np.linalg.det(T[:3, :3]) == pytest.approx(1.0)
 
 
@@ -57,6 +57,13 @@ def test_across_the_part_the_margin_is_half_of_what_the_opening_leaves():
 
 def test_half_a_turn_is_the_same_grasp_and_a_quarter_is_none():
     np.testing.assert_array_equal(rule(0.075).holds(draws(theta_rad=[np.pi, np.pi / 2])), [True, False])
+
+
+def test_far_from_the_centre_a_turn_of_the_estimate_moves_the_hand_across():
+    near, far = (GeometricRule(HAND, LEG, from_above(HAND, 0.005, along_m)) for along_m in (0.0, 0.15))
+    turned = draws(theta_rad=[0.1])  # 15 mm across at 15 cm
+    assert near.holds(turned).all()
+    assert not far.holds(turned).any()
 
 
 def test_the_hand_is_placed_by_the_estimate():
