@@ -4,27 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from grasp_poses import kind, over
 
 from rfcompass import YouBot
 from rfcompass.errors import InputError, PartError
 from rfcompass.robots import hand_of, judge_grasp
-from rfcompass.types import Box, Contacts, Cylinder, Failure, Sphere
+from rfcompass.types import Box, Contacts, Cylinder, Sphere
 
 HAND = hand_of(YouBot())
 LEG = Box(np.array([0.40, 0.05, 0.05]))
-
-
-def over(x=0.0, y=0.0, z=-0.015, yaw=0.0):
-    """The youBot's tool straight down over a part, jaws closing along y; `T_part_hand`."""
-    closing, approach = np.array([-np.sin(yaw), np.cos(yaw), 0.0]), np.array([0.0, 0.0, -1.0])
-    T = np.eye(4)
-    T[:3, :3] = np.column_stack([np.cross(closing, approach), closing, approach])
-    T[:3, 3] = x, y, z
-    return T
-
-
-def kind(answer):
-    return answer.kind if isinstance(answer, Failure) else "holds"
 
 
 def test_a_leg_between_the_jaws_is_held_on_its_long_faces():
