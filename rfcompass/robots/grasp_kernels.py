@@ -115,15 +115,17 @@ def _judge(M: FloatArray, c: FloatArray, hand: HandArrays, part: PartArrays, mu:
     """Judge one pose of the part in hand axes, rotation M (3, 3) and origin c (3)."""
     hit = _hits(hand.boxes, M, c, part, memory)
     count = _cut(hand, M, c, part, memory)
-    left, right = _farthest(LEFT, count, memory), _farthest(RIGHT, count, memory)
-    width = left + right
     if hit:
+        width = _farthest(LEFT, np.inf, count, memory) + _farthest(RIGHT, np.inf, count, memory)
         return TOO_WIDE if width > hand.opening else HITS
+    most = hand.opening / 2
+    left, right = _farthest(LEFT, most, count, memory), _farthest(RIGHT, most, count, memory)
+    width = left + right
     if width < hand.least or width == -np.inf:
         return NOTHING
     steepest = 1 / np.sqrt(1 + mu * mu)
     for side, end in ((LEFT, left), (RIGHT, right)):
-        facing = _touch(side, end, count, hand.give, memory)
+        facing = _touch(side, end, most, count, hand.give, memory)
         if part.kind != FLAT:
             facing = _round_facing(side, end, M, c, part, memory)
         if facing < steepest:
@@ -234,23 +236,26 @@ def _in_front(pads: FloatArray, p: int, face: FloatArray, normal: FloatArray, po
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _farthest(side: float, pieces: int, memory: Memory) -> float:
-    """Largest outward x of the part in front of a jaw; minus infinity if there is nothing."""
+def _farthest(side: float, most: float, pieces: int, memory: Memory) -> float:
+    """Largest outward x up to `most` of the part in front of a jaw; minus infinity if there is nothing.
+
+    A piece that ends farther out lies beyond the open jaw as a whole: the jaw would hit it otherwise.
+    """
     farthest = -np.inf
     for piece in range(pieces):
-        if side * memory.outward[piece] > 0:
+        if side * memory.outward[piece] > 0 and memory.reach[piece] <= most:
             farthest = max(farthest, memory.reach[piece])
     return farthest
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _touch(side: float, end: float, pieces: int, give: float, memory: Memory) -> float:
+def _touch(side: float, end: float, most: float, pieces: int, give: float, memory: Memory) -> float:
     """Write what a jaw touches into its windows, as it is and as it yields; return how far its faces look at it."""
     windows, polygon, facing = memory.windows[0 if side > 0 else 1], memory.polygon, -1.0
     windows[:, 0], windows[:, 1] = np.inf, -np.inf
     for piece in range(pieces):
         outward = side * memory.outward[piece]
-        if outward <= 0 or memory.reach[piece] < end - give:
+        if outward <= 0 or not end - give <= memory.reach[piece] <= most:
             continue
         size, source = memory.sizes[piece], 0
         polygon[0, :size] = memory.pieces[piece, :size]
