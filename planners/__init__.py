@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from planners.reachability import MapMaker as MapMaker
     from planners.straight_motion import StraightMotion as StraightMotion
     from planners.straight_motion import move_straight as move_straight
+    from planners.success import GraspChance as GraspChance
+    from planners.success import pose_samples as pose_samples
+    from planners.success import success_probability as success_probability
     from planners.task_map import TaskMap as TaskMap
     from planners.task_map import ToolDirections as ToolDirections
     from planners.task_map import load_task_map as load_task_map
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "BasePlacement": "base_placement",
+    "GraspChance": "success",
     "IkRules": "ik",
     "InverseKinematics": "ik",
     "MapMaker": "reachability",
@@ -39,11 +43,14 @@ _HOME = {
     "inverse_map": "base_placement",
     "load_task_map": "task_map",
     "move_straight": "straight_motion",
+    "pose_samples": "success",
+    "success_probability": "success",
     "top_down": "task_map",
 }
 
 __all__ = [
     "BasePlacement",
+    "GraspChance",
     "IkRules",
     "InverseKinematics",
     "MapMaker",
@@ -57,6 +64,8 @@ __all__ = [
     "inverse_map",
     "load_task_map",
     "move_straight",
+    "pose_samples",
+    "success_probability",
     "top_down",
 ]
 

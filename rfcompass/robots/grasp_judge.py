@@ -75,6 +75,25 @@ def judge_grasp(
     return _judge_contacts(hand, scene, ends)
 
 
+def hit_on_the_way(hand: Hand, shape: Shape, T_part_hand: FloatArray, *, opening_m: float | None = None) -> str | None:
+    """What of the open hand touches the part as it comes down.
+
+    Args:
+        hand: Which hand.
+        shape: The part.
+        T_part_hand: Pose of the tool frame in the part frame, homogeneous, shape (4, 4).
+        opening_m: Distance of the jaws [m]; the greatest if None.
+
+    Returns:
+        `"palm"`, `"left jaw"`, `"right jaw"`; None if nothing does.
+
+    Raises:
+        InputError: If the hand does not open so far.
+        PartError: If the pose is no rigid transform.
+    """
+    return _Scene(hand, shape, rigid_transform(T_part_hand, "T_part_hand"), hand.opening(opening_m)).hit_on_the_way()
+
+
 def weight_failure(hand: Hand, mass_kg: float | None) -> Failure | None:
     """The failure `"too_heavy"`, if a part of this mass is.
 

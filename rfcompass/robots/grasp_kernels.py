@@ -14,7 +14,7 @@ from rfcompass.robots.part_faces import BALL, FLAT, ROUND_X
 
 # As in `grasp_judge`: a contact's middle is that of what lies this near to the pad [m]; and in `part_surface`: a face
 # this near to a point is one that the point lies on [m].
-_TOUCH_M, _ON_M = 1e-5, 1e-4
+_TOUCH_M, _ON_M = 1e-5, 2e-5
 # Corners of a rectangle that five planes have cut.
 _CORNERS = 9
 # A face that looks along x by less than this has nothing in front of a pad that its neighbours have not.

@@ -15,9 +15,10 @@ from rfcompass.robots.grasp_batch import VERDICTS, judge_grasps
 from rfcompass.robots.grasp_judge import judge_grasp
 from rfcompass.robots.robot import Robot
 from rfcompass.robots.solids import Solid, robot_solids
+from rfcompass.types.configuration import Configuration
 from rfcompass.types.hands import FRICTION, GRIP_N, Hand, Jaw
 
-__all__ = ["VERDICTS", "Hand", "hand_of", "judge_grasp", "judge_grasps"]
+__all__ = ["VERDICTS", "Hand", "hand_of", "judge_grasp", "judge_grasps", "opening_at"]
 
 # Ours: what lies this near to the plane of a finger's inner face belongs to it [m].
 _FLUSH_M = 0.001
@@ -39,13 +40,14 @@ def hand_of(robot: Robot, *, with_tags: bool = False, friction: float = FRICTION
     tool, solids = robot.tool, robot_solids(robot, with_tags=with_tags)
     palm = [solid for solid in solids if joint_of(robot, solid.carrier) == joint_of(robot, tool.frame)]
     fingers = [solid for solid in solids if _is_finger(robot, solid)]
-    ends = [_bounds_at(robot, fingers, at) for at in (0, 1)]
-    sides = _sides(robot, *ends)
-    closed, opened = sorted(ends, key=lambda bounds: _gap_m(bounds, sides))
+    ends = _ends_of_travel(robot, fingers)
+    lower, upper = (_bounds_at(robot, fingers, configuration) for configuration in ends)
+    sides = _sides(robot, lower, upper)
+    closed, opened = sorted((lower, upper), key=lambda bounds: _gap_m(bounds, sides))
     return Hand(
         approach_axis=tool.approach_axis,
         closing_axis=tool.closing_axis,
-        palm_m=_bounds_at(robot, palm, 0),
+        palm_m=_bounds_at(robot, palm, ends[0]),
         left=_jaw(opened[sides > 0], 1.0),
         right=_jaw(opened[sides < 0], -1.0),
         least_m=max(_gap_m(closed, sides), 0.0),
@@ -62,17 +64,42 @@ def _is_finger(robot: Robot, solid: Solid) -> bool:
     return joint_of(robot, robot.tool.frame) in supports[:-1]
 
 
-def _bounds_at(robot: Robot, solids: Sequence[Solid], at: int) -> FloatArray:
-    """Bounding boxes in hand axes with the fingers at their lower (0) or upper (1) limits, shape (B, 2, 3)."""
-    links = list(dict.fromkeys(solid.carrier for solid in solids))
+def opening_at(robot: Robot, hand: Hand, configuration: Configuration) -> float:
+    """Distance of the jaws [m] at a configuration: the share of the fingers' travel, of that hand's travel.
+
+    Args:
+        robot: Whose fingers.
+        hand: Its hand, perhaps with another opening than the URDF's.
+        configuration: Joint values.
+
+    Raises:
+        RobotModelError: If the robot's hand is not of the kind that `hand_of` reads.
+    """
+    fingers = [solid for solid in robot_solids(robot) if _is_finger(robot, solid)]
+    lower, upper = (_bounds_at(robot, fingers, end) for end in _ends_of_travel(robot, fingers))
+    sides = _sides(robot, lower, upper)
+    ends = sorted((_gap_m(lower, sides), _gap_m(upper, sides)))
+    share = (_gap_m(_bounds_at(robot, fingers, configuration), sides) - ends[0]) / (ends[1] - ends[0])
+    return hand.least_m + float(np.clip(share, 0.0, 1.0)) * (hand.greatest_m - hand.least_m)
+
+
+def _ends_of_travel(robot: Robot, fingers: Sequence[Solid]) -> tuple[Configuration, Configuration]:
+    """Configurations with the fingers at their lower and at their upper limits."""
     arm = set(robot.arm_joints)
-    joints = {name for link in links for name in robot.kinematics.joints_moving(link) if name not in arm}
-    ends = np.array([robot.limits.lower, robot.limits.upper])[at]
-    values = {name: float(ends[robot.joint_names.index(name)]) for name in sorted(joints)}
-    if not np.isfinite(list(values.values())).all():
-        raise RobotModelError(f"robot {robot.name}: a finger joint has no limit", joints=sorted(joints))
-    configuration = robot.configuration(values)
+    links = {solid.carrier for solid in fingers}
+    names = sorted({name for link in links for name in robot.kinematics.joints_moving(link) if name not in arm})
+    places = [robot.joint_names.index(name) for name in names]
+    limits = [limit[places] for limit in (robot.limits.lower, robot.limits.upper)]
+    if not np.isfinite(limits).all():
+        raise RobotModelError(f"robot {robot.name}: a finger joint has no limit", joints=names)
+    lower, upper = (robot.configuration(dict(zip(names, map(float, end), strict=True))) for end in limits)
+    return lower, upper
+
+
+def _bounds_at(robot: Robot, solids: Sequence[Solid], configuration: Configuration) -> FloatArray:
+    """Bounding boxes in hand axes, shape (B, 2, 3)."""
     T_hand_base = np.linalg.inv(robot.tool_pose(configuration).homogeneous @ _T_tool_hand(robot))
+    links = list(dict.fromkeys(solid.carrier for solid in solids))
     T_hand = {link: T_hand_base @ robot.link_pose(configuration, link).homogeneous for link in links}
     boxes = [_bounds(solid, T_hand[solid.carrier] @ solid.T_carrier_solid) for solid in solids]
     return np.array(boxes).reshape(-1, 2, 3)

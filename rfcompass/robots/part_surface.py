@@ -8,7 +8,7 @@ from rfcompass.arrays import FloatArray, IntArray
 from rfcompass.types.shapes import Box, Cylinder, Mesh, Shape, Sphere
 
 # A face this near to a point is one that the point lies on [m].
-_ON_M = 1e-4
+_ON_M = 2e-5
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from rfcompass.simulation.field import image_indices as image_indices
     from rfcompass.simulation.field import one_way_field as one_way_field
     from rfcompass.simulation.gen2 import Gen2Slots as Gen2Slots
+    from rfcompass.simulation.grasp_oracle import GraspTry as GraspTry
+    from rfcompass.simulation.grasp_oracle import PartOracle as PartOracle
+    from rfcompass.simulation.grasp_oracle import Push as Push
     from rfcompass.simulation.inventory import AntennaRow as AntennaRow
     from rfcompass.simulation.inventory import Inventory as Inventory
     from rfcompass.simulation.inventory import Misses as Misses
@@ -77,6 +80,9 @@ _HOME = {
     "image_indices": "field",
     "one_way_field": "field",
     "Gen2Slots": "gen2",
+    "GraspTry": "grasp_oracle",
+    "PartOracle": "grasp_oracle",
+    "Push": "grasp_oracle",
     "AntennaRow": "inventory",
     "Inventory": "inventory",
     "Misses": "inventory",
@@ -154,13 +160,16 @@ __all__ = [
     "Carrier",
     "FixedTransmitters",
     "Gen2Slots",
+    "GraspTry",
     "Heard",
     "Inventory",
     "Misses",
     "NoiseModel",
     "NoisyDistances",
+    "PartOracle",
     "PlacedTags",
     "PlaneRoom",
+    "Push",
     "RadioScene",
     "RadioSensor",
     "ReaderRig",

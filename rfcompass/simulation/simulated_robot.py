@@ -1,19 +1,24 @@
 """A robot in a simulated room, behind the protocols of a real one. Its wheels slip; it believes what it commanded."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError
 from rfcompass.geometry.pose2 import Pose2
+from rfcompass.robots.collision_model import homogeneous
+from rfcompass.robots.hand import hand_of, opening_at
 from rfcompass.robots.robot import Robot
+from rfcompass.simulation.grasp_oracle import GraspTry, PartOracle, Push
 from rfcompass.simulation.inventory import Inventory
 from rfcompass.simulation.inventory_averages import inventory_scan
 from rfcompass.simulation.plane_room import PlaneRoom
 from rfcompass.simulation.room_sensing import NoisyDistances, RoomSensor, RoomState
 from rfcompass.types.configuration import Configuration
-from rfcompass.types.grasps import Failure, GraspOutcome
+from rfcompass.types.grasp_noise import GraspNoise
+from rfcompass.types.grasps import GraspOutcome
+from rfcompass.types.hands import Hand
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Part
 from rfcompass.types.reads import Scan
@@ -69,6 +74,9 @@ class SimulatedRobot:
         slip: How far the wheels slip.
         area_m: Lower and upper corner of where the base's centre can be in the room [m]; its bumper stops it at the
             border. Everywhere if None.
+        hand: The hand, where it is not that of the robot's URDF.
+        grasp_noise: How tries of one grasp differ.
+        push: How far a failed try moves the part.
     """
 
     robot: Robot
@@ -80,10 +88,14 @@ class SimulatedRobot:
     sensor: RoomSensor = field(default_factory=NoisyDistances)
     slip: WheelSlip = field(default_factory=WheelSlip)
     area_m: tuple[tuple[float, float], tuple[float, float]] | None = None
+    hand: Hand | None = None
+    grasp_noise: GraspNoise = field(default_factory=GraspNoise)
+    push: Push = field(default_factory=Push)
     _believed: Pose2 = field(init=False, default_factory=Pose2)
     _covariance: FloatArray = field(init=False)
     _true: Pose2 = field(init=False)
     _stops: list[RecordedStop] = field(init=False, default_factory=list)
+    _tries: list[GraspTry] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         """Stand at the start; odometry begins at zero there."""
@@ -134,8 +146,24 @@ class SimulatedRobot:
         self.joints = np.array(joints, dtype=np.float64)
 
     def close_hand(self) -> GraspOutcome:
-        """Nothing to close on yet: grasping comes with the grasp planner."""
-        return GraspOutcome(False, Failure("not_simulated", "this room simulates no contact"))
+        """Come down to where the tool is, as far open as the fingers are, and close; a failed try moves the part.
+
+        Raises:
+            RobotModelError: If no hand was given and the robot's own is not of the kind that `hand_of` reads.
+        """
+        hand, configuration = self.hand or hand_of(self.robot), self.configuration
+        oracle = PartOracle(
+            hand, self.part, self.room.T_room_part, self.rng, self.grasp_noise, self.push
+        )  # fmt: skip
+        T_room_hand = homogeneous(self._true) @ self.robot.tool_pose(configuration).homogeneous
+        outcome = oracle.judge(T_room_hand, opening_at(self.robot, hand, configuration))
+        self.room = replace(self.room, T_room_part=oracle.T_world_part)
+        self._tries += oracle.tries
+        return outcome
+
+    def true_tries(self) -> tuple[GraspTry, ...]:
+        """Every closing of the hand as it truly was: for evaluation only."""
+        return tuple(self._tries)
 
     def true_pose_in_base(self) -> Pose2:
         """Pose of the part in the true base frame: for evaluation only."""
