@@ -43,13 +43,15 @@ def cm(opening_m):
 def figure_table(runs):
     """What the paper prints, a line for each figure and rule; a column for each source."""
     got = Results(runs, "grasp-trials")
-    sources = [name for name in SOURCES if any(key[0] == name for key in got.found)]
+    sources = [name for name in SOURCES if "surest" not in name and any(key[0] == name for key in got.found)]
     lines = []
     for one in PRINTED:
         summary, what = ("mean", "mean attempts") if one.metric == "tries" else ("share", "first attempt holds, %")
         for rule in RULES:
             cells = [
-                got.text(name, one.tags, one.opening_m, f"{one.metric}_{rule}", summary).split(";")[0] for name in sources
+                (at_least(got, (name, one.tags, one.opening_m), rule) if one.metric == "tries" else "")
+                + got.text(name, one.tags, one.opening_m, f"{one.metric}_{rule}", summary).split(";")[0]
+                for name in sources
             ]
             lines.append([f"{one.figure}, K = {one.tags}, {cm(one.opening_m)}", what, TITLES[rule], *cells, printed(one)])
     return table(("simulated", "", "rule", *(f"{name}:" for name in sources), "paper:"), *lines)
