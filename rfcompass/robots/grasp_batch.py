@@ -60,7 +60,8 @@ def judge_grasps(
     if (mu <= 0).any():
         raise InputError(f"friction: {mu.min()} is not above 0", friction=float(mu.min()))
     opening = hand.opening(opening_m)
-    faces, R, origins_m = part_faces(shape), poses[:, :3, :3] @ hand.R_tool_hand, np.ascontiguousarray(poses[:, :3, 3])
+    faces, origins_m = part_faces(shape), np.ascontiguousarray(poses[:, :3, 3])
+    R = (poses[:, :3, :3].reshape(-1, 3) @ hand.R_tool_hand).reshape(-1, 3, 3)  # one product is quicker than many
     farthest_m = faces.radius_m + float(np.linalg.norm(origins_m, axis=1).max(initial=0.0))
     verdicts = judge_poses(
         R,
@@ -80,7 +81,13 @@ def _hand_arrays(hand: Hand, opening_m: float, from_m: float) -> HandArrays:
     boxes_m = hand.boxes_m(opening_m)
     boxes_m[:, 0, 2] = -from_m
     pads_m = np.concatenate([hand.left.pads_m, hand.right.pads_m])
-    between_m = np.array([[-from_m, *pads_m[:, 0].min(axis=0)], [from_m, *pads_m[:, 1].max(axis=0)]])
-    return HandArrays(
-        boxes_m, hand.left.pads_m, hand.right.pads_m, between_m, opening_m, hand.least_m, hand.give_m
-    )  # fmt: skip
+    between_m = np.array([[[-from_m, *pads_m[:, 0].min(axis=0)], [from_m, *pads_m[:, 1].max(axis=0)]]])
+    most = max(len(hand.left.pads_m), len(hand.right.pads_m))
+    both = np.stack([_filled(hand.left.pads_m, most), _filled(hand.right.pads_m, most)])
+    return HandArrays(boxes_m, both, between_m, opening_m, hand.least_m, hand.give_m)
+
+
+def _filled(pads_m: FloatArray, most: int) -> FloatArray:
+    """As many pads as the other jaw has: some that nothing can be in front of, (P, 2, 2)."""
+    nothing = np.tile(np.array([[[np.inf], [-np.inf]]]), (most - len(pads_m), 1, 2))
+    return np.concatenate([pads_m, nothing])

@@ -13,8 +13,8 @@ from rfcompass.types.shapes import Box, Cylinder, Shape, Sphere
 # Where normals come from: the faces, or the round surface that they stand for.
 FLAT, ROUND_X, ROUND_Z, BALL = 0, 1, 2, 3
 
-# Ours. A circle becomes this many edges, 7 µm off at a radius of 25 mm; a ball an icosahedron halved so often, 35 µm off
-# at 30 mm.
+# Ours. A circle becomes this many edges, 7 µm off at a radius of 25 mm; a ball an icosahedron halved so often, 35 µm
+# off at 30 mm.
 _SECTIONS, _HALVINGS = 96, 3
 # Faces in a leaf of the tree.
 _LEAF = 4

@@ -36,11 +36,14 @@ def ties(shape, poses, verdicts):
     moved = [poses + np.pad(step[:, None], ((0, 1), (3, 0))) for step in steps]
     others = [judge_grasps(HAND, shape, T) for T in moved]
     slack = TIE_MU_ROUND if isinstance(shape, Cylinder | Sphere) else TIE_MU
-    for f in (1 - slack, 1 + slack):
-        others.append(judge_grasps(replace(HAND, friction=HAND.friction * f), shape, poses))
+    others += [judge_grasps(HAND, shape, poses, friction=mu) for mu in _frictions(len(poses), slack)]
     others += [judge_grasps(HAND.with_opening(HAND.greatest_m + d), shape, poses) for d in (-TIE_M, TIE_M)]
     others += [judge_grasps(replace(HAND, give_m=HAND.give_m * f), shape, poses) for f in (0.95, 1.05)]
     return np.any([other != verdicts for other in others], axis=0)
+
+
+def _frictions(count, slack):
+    return [np.full(count, HAND.friction * (1 + sign * slack)) for sign in (-1, 1)]
 
 
 def agree(shape, poses):
