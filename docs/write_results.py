@@ -257,6 +257,13 @@ def duration(seconds):
             return f"{value:.{max(0, 2 - int(np.floor(np.log10(value))))}f} {unit}"
 
 
+def grasp_trials_table(runs):
+    """One line for each figure that the paper prints and each rule."""
+    from write_grasp_trials import figure_table  # which imports this module
+
+    return figure_table(runs)
+
+
 def bench_table(runs):
     """One line for each timing."""
     timings = json.loads((runs / "bench.json").read_text(encoding="utf-8"))["timings"]
@@ -294,8 +301,11 @@ SECTIONS = (
      "the hand. The last column says how often the posterior's 90 % region held the pose.", accuracy_table),
     ("**The same after three stops, as means ± standard deviations.** The paper prints 1.8 cm as the standard deviation at\n"
      "K = 1. The rank correlation would be 1 if a wider posterior always had the larger error.", spread_table),
-    ("**A whole fetch by radio, far tracks only.** `fetches`: ours (95 % interval); the paper's measured medians (in sight).\n"
-     "The paper's rig and estimator, end to end, rarely answer on this channel; `best` is ours.", fetches_table),
+    ("**How many attempts does a hand need?** `grasp-trials`: mean attempts, or share of first attempts that hold in %, by three\n"
+     "rules, with errors drawn from `accuracy` and from families with the paper's medians; the paper's figures (Fig. 14, 15,\n"
+     "trace-driven, rule not printed). All hands, and how sure it is: [Grasp trials](grasp_trials.md).", grasp_trials_table),
+    ("**A whole fetch by radio.** `fetches`: ours (95 % interval); the paper's measured medians (in sight). The paper's rig and\n"
+     "estimator, end to end, rarely answer on this channel; `best` is ours.", fetches_table),
     ("**Tags from the wrist.** `fusebot-localisation`: ours (95 % interval); FuseBot's Table 5, both sights together, on a\n"
      "real robot. A rank correlation of 1 would mean that a larger box always has the larger error.", fusebot_table),
     ("**How fast?** `rfcompass bench`, ours and the peer's in one run.", bench_table),
@@ -305,6 +315,7 @@ SECTIONS = (
 def headlines(runs):
     """What a newcomer asks first, a line each, from the same runs."""
     accuracy, resolution, wrist = (Results(runs, name) for name in ("accuracy", "resolution", "fusebot-localisation"))
+    grasps = Results(runs, "grasp-trials")
     survey, nearer, target = (Results(runs, f"measured-{name}") for name in ("survey", "proximity", "target"))
 
     def part(rig, method, column, *tags):
@@ -313,6 +324,9 @@ def headlines(runs):
 
     def both(got, *key):
         return " / ".join(got.own(*key, summary) for summary in ("median", "p90"))
+
+    def attempts(source):
+        return " / ".join(grasps.own(source, 2, opening_m, "tries_geometry", "mean") for opening_m in (0.075, 0.085))
 
     flipped = (0.1, "skew, sweep", "consistency_centre_7_m")
     lines = [
@@ -323,6 +337,10 @@ def headlines(runs):
         ["the same from far tracks", f"{part('far L', 'posterior', 'centre_3_m', 1, 2, 4)} cm", "–", "simulated", "`accuracy`"],
         ["the same with the paper's rig and estimator", f"{part(PAPERS_RIG, 'paper', 'centre_3_m', 1, 2, 4)} cm",
          "4.03 / 2.76 / 1.28 cm, measured", "simulated", "`accuracy`"],
+        ["grasp attempts, hand of 7.5 / 8.5 cm, K = 2, mean, near tracks", attempts("ours, near tracks"), "9 / 5, its measured errors",
+         "simulated", "`grasp-trials`"],
+        ["the same from errors with the paper's medians", attempts("the paper's medians"), "9 / 5, its measured errors", "simulated",
+         "`grasp-trials`"],
         ["10 % of comparisons flipped, seven stops, median / 90 %", f"{both(resolution, *flipped)} cm", "0.96 / 2.5 cm, simulated",
          "simulated", "`resolution`"],
         ["tag from the wrist, 200 MHz, two heights, in sight, median / 90 %",
@@ -340,6 +358,13 @@ def headlines(runs):
     return table(("question, median", "ours", "paper", "our data", "study"), *lines)
 
 
+def write_grasp_trials(runs):
+    """Write the tables of their own page."""
+    from write_grasp_trials import write
+
+    write(runs)
+
+
 def main(runs):
     """Replace what stands between the two markers of the README, and write the page of all tables."""
     parts = [f"{text}\n\n{make(runs)}" for text, make in SECTIONS]
@@ -350,6 +375,7 @@ def main(runs):
     before, after = text.split(BEGIN)[0], text.split(END)[1]
     shown = f"{headlines(runs)}\n\n{SECTIONS[-1][0]}\n\n{bench_table(runs)}"
     README.write_text(f"{before}{BEGIN}\n\n{shown}\n\n{END}{after}", encoding="utf-8")
+    write_grasp_trials(runs)
 
 
 if __name__ == "__main__":

@@ -4,10 +4,10 @@ What is modelled, in hand axes (`rfcompass.types.hands`):
 
 1. The open hand comes down straight along its approach axis from beyond the part. What its boxes sweep must not
    touch the part.
-2. The jaws close by equal amounts. A jaw that touches first pushes the part along the closing axis, without turning
-   it, until the other touches too. So the left jaw touches at the farthest point of the part in front of one of its
-   pads, s_L = max x, and the right one at s_R = min x; they end w = s_L - s_R apart. A pad is a rectangle, not a
-   ray: on a box that is turned by δ it touches with an edge.
+2. The jaws close on what is between them, by equal amounts. A jaw that touches first pushes the part along the closing
+   axis, without turning it, until the other touches too. So the left jaw touches at the farthest point of the part in
+   front of one of its pads, s_L = max x, and the right one at s_R = min x; they end w = s_L - s_R apart. A pad is a
+   rectangle, not a ray: on a box that is turned by δ it touches with an edge.
 3. Each contact must lie inside the friction cone: the closing direction within atan(μ) of the part's normal. At an edge
    or a corner of the part the normal is that of the face which looks at the jaw most.
 4. The contacts must be opposite. A pad yields by a little, and so touches the bounding rectangle of what lies that near
@@ -64,9 +64,9 @@ def judge_grasp(
     scene = _Scene(hand, shape, rigid_transform(T_part_hand, "T_part_hand"), hand.opening(opening_m))
     if (failure := weight_failure(hand, mass_kg)) is not None:
         return failure
-    ends = scene.first_touches()
     if (hit := scene.hit_on_the_way()) is not None:
-        return _too_wide(scene, ends) or Failure("hand_hits_part", f"the {hit} touches the part on its way down")
+        return _too_wide(scene) or Failure("hand_hits_part", f"the {hit} touches the part on its way down")
+    ends = scene.first_touches(scene.opening_m / 2)
     if ends is None:
         return Failure("nothing_between_jaws", "there is nothing between the jaws")
     if (width_m := ends[0] + ends[1]) < hand.least_m:
@@ -111,7 +111,8 @@ def weight_failure(hand: Hand, mass_kg: float | None) -> Failure | None:
     return Failure("too_heavy", f"{mass_kg:.3g} kg are more than {why}, {most_kg:.3g} kg", numbers)
 
 
-def _too_wide(scene: "_Scene", ends: tuple[float, float] | None) -> Failure | None:
+def _too_wide(scene: "_Scene") -> Failure | None:
+    ends = scene.first_touches(scene.beyond_m)
     if ends is None or (width_m := ends[0] + ends[1]) <= scene.opening_m:
         return None
     message = f"between the jaws the part is {width_m:.4g} m wide, and they open to {scene.opening_m:.4g} m"
@@ -141,7 +142,7 @@ class _Scene:
         self._part = fcl_part(shape)
         corners = np.array(list(product(*zip(shape.lower_m, shape.upper_m, strict=True))))
         # Farther than any point of the part from the hand: from where the hand comes, and how far a jaw could go.
-        self._beyond_m = float(np.linalg.norm(corners - self._origin_m, axis=1).max()) + 1.0
+        self.beyond_m = float(np.linalg.norm(corners - self._origin_m, axis=1).max()) + 1.0
 
     def touches(self, lower_m: FloatArray, upper_m: FloatArray) -> bool:
         """True if the part has a point in a box of the hand's axes, corners of shape (3,)."""
@@ -156,19 +157,23 @@ class _Scene:
         names = ["palm"] * len(self.hand.palm_m) + ["left jaw"] * len(self.hand.left.boxes_m)
         names += ["right jaw"] * len(self.hand.right.boxes_m)
         for name, (lower_m, upper_m) in zip(names, self.hand.boxes_m(self.opening_m), strict=True):
-            start_m = np.array([lower_m[0], lower_m[1], -self._beyond_m])
+            start_m = np.array([lower_m[0], lower_m[1], -self.beyond_m])
             if self.touches(start_m, upper_m):
                 return name
         return None
 
-    def first_touches(self) -> tuple[float, float] | None:
-        """Outward x at which the left and the right jaw first touch [m]; None if one finds nothing."""
-        left, right = (self._first_touch(side) for side in (1, -1))
+    def first_touches(self, within_m: float) -> tuple[float, float] | None:
+        """Outward x at which the left and the right jaw first touch [m]; None if one finds nothing.
+
+        Args:
+            within_m: How far outwards to look [m]: the open jaws, for what lies beyond them they do not close on.
+        """
+        left, right = (self._first_touch(side, within_m) for side in (1, -1))
         return None if left is None or right is None else (left, right)
 
-    def _first_touch(self, side: int) -> float | None:
+    def _first_touch(self, side: int, within_m: float) -> float | None:
         """Largest outward x at which there is part in front of a pad."""
-        low, high = -self._beyond_m, self._beyond_m
+        low, high = -within_m, within_m
         if not self._in_front(side, low, high):
             return None
         for _ in range(_HALVINGS):
@@ -218,7 +223,7 @@ class _Scene:
             for _ in range(_HALVINGS):
                 window = whole.copy()
                 window[1 - corner, axis] = (empty + full) / 2
-                if self._in_front(side, end_m - depth_m, self._beyond_m, window):
+                if self._in_front(side, end_m - depth_m, self.opening_m / 2, window):
                     full = window[1 - corner, axis]
                 else:
                     empty = window[1 - corner, axis]

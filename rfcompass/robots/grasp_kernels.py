@@ -12,7 +12,18 @@ from rfcompass.arrays import FloatArray, IntArray
 from rfcompass.robots.box_kernels import cut_box, hits_box
 from rfcompass.robots.overlap_kernels import face_overlaps, faces_near, place_face
 from rfcompass.robots.part_faces import BALL, FLAT, ROUND_X
-from rfcompass.robots.piece_kernels import CORNERS, SIDEWAYS, clip, facing, farthest, gap, keep, touched, whole_pad
+from rfcompass.robots.piece_kernels import (
+    CORNERS,
+    SIDEWAYS,
+    clip,
+    facing,
+    farthest,
+    gap,
+    keep,
+    keep_within,
+    touched,
+    whole_pad,
+)
 
 # As in `grasp_judge`: a contact's middle is that of what lies this near to the pad [m]; and in `part_surface`: a face
 # this near to a point is one that the point lies on [m].
@@ -105,10 +116,12 @@ def _judge(pose: FloatArray, hand: HandArrays, part: PartArrays, mu: float, memo
         count = cut_box(hand.pads, part.box, pose, memory.face, memory.polygon, pieces)
     else:
         hit, count = _hits(hand.boxes, pose, part, memory), _cut(hand, pose, part, memory)
+    if hit:
+        width = farthest(1.0, count, pieces) + farthest(-1.0, count, pieces)
+        return TOO_WIDE if width > hand.opening else HITS
+    count = keep_within(hand.opening / 2, count, pieces)
     left, right = farthest(1.0, count, pieces), farthest(-1.0, count, pieces)
     width = left + right
-    if hit:
-        return TOO_WIDE if width > hand.opening else HITS
     if width < hand.least or width == -np.inf:
         return NOTHING
     steepest = 1 / np.sqrt(1 + mu * mu)

@@ -67,6 +67,17 @@ def keep(polygon: FloatArray, source: int, size: int, outward: float, pieces: Fl
 
 
 @numba.njit(cache=True, error_model="numpy")
+def keep_within(most: float, count: int, pieces: FloatArray) -> int:
+    """Drop what reaches farther out than an outward x: it lies beyond an open jaw, which would hit it otherwise."""
+    kept = 0
+    for piece in range(count):
+        if pieces[piece, CORNERS, _REACH] <= most:
+            pieces[kept] = pieces[piece]
+            kept += 1
+    return kept
+
+
+@numba.njit(cache=True, error_model="numpy")
 def farthest(sign: float, count: int, pieces: FloatArray) -> float:
     """Largest outward x of the part in front of a jaw (sign 1 left, -1 right); minus infinity if there is nothing."""
     most = -np.inf

@@ -16,6 +16,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.accuracy:ACCURACY",
     "rfcompass.studies.polarisation:POLARISATION",
     "rfcompass.studies.fusebot:FUSEBOT_LOCALISATION",
+    "rfcompass.studies.grasp_trials:GRASP_TRIALS",
 )
 
 

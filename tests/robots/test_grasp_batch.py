@@ -21,6 +21,7 @@ LEG = Box(np.array([0.40, 0.05, 0.05]))
 TIE_M, TIE_MU, TIE_MU_ROUND = 5e-5, 0.01, 0.11
 SOLIDS = {
     "leg": (LEG, (0.25, 0.02, 0.03), 0.5, 0.0),
+    "leg, far off": (LEG, (0.25, 0.10, 0.01), 3.0, 0.0),
     "tilted leg": (LEG, (0.25, 0.02, 0.03), 0.5, 0.3),
     "cube": (Box(np.full(3, 0.045)), (0.02, 0.02, 0.02), 2.0, 0.5),
     "rod": (Cylinder(0.025, 0.2), (0.12, 0.02, 0.03), 0.5, 0.2),
@@ -114,6 +115,13 @@ def test_half_a_turn_of_a_box_about_any_of_its_axes_is_the_same_grasp(pose):
         turn[:3, :3] = 2 * np.outer(axis, axis) - np.eye(3)
         both = judge_grasps(HAND, LEG, np.array([over(*pose[:3], pose[3]), turn @ over(*pose[:3], pose[3])]))
         assert both[0] == both[1]
+
+
+def test_what_a_hand_holds_was_between_its_jaws():
+    poses = random_poses(np.random.default_rng(41), 4000, np.array([0.25, 0.10, 0.01]), 3.0, 0.0)
+    held = poses[judge_grasps(HAND, LEG, poses) == VERDICTS.index("holds")]
+    assert len(held) > 50
+    assert np.abs(held[:, 1, 3]).max() < (HAND.greatest_m - LEG.size_m[1]) / 2
 
 
 @given(poses_of_a_leg, st.floats(0.055, 0.095))

@@ -51,6 +51,8 @@ def test_a_turned_box_holds_up_to_the_friction_angle():
     [
         ({"z": 0.1}, "nothing_between_jaws"),
         ({"x": 0.3}, "nothing_between_jaws"),
+        ({"y": 0.085}, "nothing_between_jaws"),  # the leg lies beside a jaw
+        ({"y": -0.085}, "nothing_between_jaws"),
         ({"z": -0.035}, "hand_hits_part"),
         ({"yaw": 1.0}, "too_wide"),
     ],
