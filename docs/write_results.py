@@ -139,12 +139,13 @@ def fetches_table(runs):
     """One line for each sight, way and number of tags."""
     got = Results(runs, "fetches")
     columns = (("answered", "share"), ("found", "share"), ("centre_error_m", "median"), ("centre_error_m", "p90"),
-               ("theta_error_rad", "median"))  # fmt: skip
+               ("theta_error_rad", "median"), ("held", "share"), ("held_at_once", "share"))  # fmt: skip
     lines = [
         [sight, way, str(tags), *(got.text(sight, way, tags, *what) for what in columns)]
         for sight, way, tags in dict.fromkeys(key[:3] for key in got.found)
     ]
-    heads = ("answers, %", "within 10 cm, %", "centre, median cm", "p90 cm", "orientation, median °")
+    heads = ("answers, %", "within 10 cm, %", "centre, median cm", "p90 cm", "orientation, median °", "in the hand, %",
+             "at the first try, %")  # fmt: skip
     return table(("simulated", "way", "K", *heads), *lines)
 
 

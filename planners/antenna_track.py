@@ -42,11 +42,7 @@ class NearTrack:
     clear_m: float = 0.25
 
     def legs_m(self, part_m: FloatArray, keep_out_m: FloatArray | None = None) -> FloatArray:
-        """Plan about a place in the rectangle's frame [m], shape (2,).
-
-        Args:
-            part_m: About where the part lies [m], shape (2,).
-            keep_out_m: Rectangles that the carrier must not touch, least and largest x, y of each [m], shape (B, 2, 2).
+        """Plan about a place in the rectangle's frame [m], shape (2,); see `options_m`.
 
         Returns:
             Start and end of each leg [m], shape (2, 2, 3). Of the four sides that the L can have, the one whose
@@ -55,18 +51,27 @@ class NearTrack:
         Raises:
             OutOfReach: If there is no room for two legs of 1.5 m at any of the distances.
         """
-        blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
-        sides = [[self._leg_m(part_m, axis, side, blocks_m) for side in (-1.0, 1.0)] for axis in (0, 1)]
-        best, longest_m = None, 0.0
-        for along_x, along_y in product(*sides):
-            shorter_m = min(_length_m(along_x), _length_m(along_y))
-            if along_x is not None and along_y is not None and shorter_m > longest_m + 1e-9:
-                best, longest_m = np.array([along_x, along_y]), shorter_m
-        if best is None or longest_m < LEAST_LEG_M:
+        options_m = self.options_m(part_m, keep_out_m)
+        if not options_m:
             (x_m, y_m), offs = part_m, ", ".join(f"{off:g}" for off in self.stand_offs_m)
             message = f"no room for two legs of {LEAST_LEG_M} m at {offs} m from ({x_m:.2f}, {y_m:.2f}) m"
-            raise OutOfReach(message, part_m=[float(x_m), float(y_m)], longest_m=longest_m)
-        return best
+            raise OutOfReach(message, part_m=[float(x_m), float(y_m)], needed_m=LEAST_LEG_M)
+        return options_m[0]
+
+    def options_m(self, part_m: FloatArray, keep_out_m: FloatArray | None = None) -> list[FloatArray]:
+        """List every L about a place in the rectangle's frame, that with the longest shorter leg first.
+
+        Args:
+            part_m: About where the part lies [m], shape (2,).
+            keep_out_m: Rectangles that the carrier must not touch, least and largest x, y of each [m], shape (B, 2, 2).
+
+        Returns:
+            Start and end of each leg [m], shape (2, 2, 3) each; at most one for each of the four sides that an L has.
+        """
+        blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
+        sides = [[self._leg_m(part_m, axis, side, blocks_m) for side in (-1.0, 1.0)] for axis in (0, 1)]
+        found = [np.array(pair) for pair in product(*sides) if min(map(_length_m, pair)) >= LEAST_LEG_M]
+        return sorted(found, key=lambda legs_m: -round(min(map(_length_m, legs_m)), 9))
 
     def corner_legs_m(self, corner: tuple[int, int], keep_out_m: FloatArray | None = None) -> FloatArray:
         """Plan one leg along each of the two sides that meet in a corner, from the middle of the rectangle's side.

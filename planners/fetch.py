@@ -140,6 +140,14 @@ class Fetch:
             step = yield from self._hand_stop(*place)
         return step
 
+    def looks_from_another_side(self, step: FetchStep) -> bool:
+        """Send the antenna to other sides of the part, where reflections are others; False if there is none left.
+
+        Args:
+            step: The newest stop.
+        """
+        return self.antenna is not None and self.antenna.changes_sides(step.observation, step.estimate)
+
     def _navigate(self) -> Generator[FetchStep, None, FetchStep]:
         for _ in range(self.rules.max_moves + 1):
             step = yield from self._stop("navigate")
@@ -153,7 +161,7 @@ class Fetch:
     def _line_up(self, estimate: PartEstimate) -> Iterator[FetchStep]:
         """Drive until the hand is over the part at the first place of the sweep, as far as one can tell."""
         for _ in range(self.rules.max_line_ups):
-            self.device.move_base(self._under_the_hand(estimate))
+            self.device.move_base(self.under_the_hand(estimate))
             step = yield from self._hand_stop(*self.rules.hand_sweep[0])
             estimate = step.estimate
             if np.linalg.norm(estimate.centre_m - self.rules.hand_point_m) <= self.rules.lined_up_m:
@@ -212,7 +220,7 @@ class Fetch:
         """Drive D/2 in the direction φ of the part and face it [Wang2013], section 4.2.B."""
         return next_goal(estimate, min(0.5, self.rules.max_step_m / estimate.distance_m))
 
-    def _under_the_hand(self, estimate: PartEstimate) -> Pose2:
+    def under_the_hand(self, estimate: PartEstimate) -> Pose2:
         """Where to drive so that the part's centre lies under the hand, its long side across the base if θ is known."""
         turn = estimate.bearing_rad
         if estimate.theta_rad is not None:

@@ -22,6 +22,14 @@ FROM_M = 1.5
 _CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))
 
 
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where part and base are in the antenna's frame [m], shape (2,) each."""
+
+    part_m: FloatArray
+    base_m: FloatArray
+
+
 @dataclass(slots=True)
 class NearAntenna:
     """Plans the carrier's legs from what the robot has found out.
@@ -39,6 +47,7 @@ class NearAntenna:
     from_m: float = FROM_M
     keep_out_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2, 2)))
     _planned_for_m: FloatArray | None = field(init=False, default=None)
+    _option: int = field(init=False, default=0)
     _looks: int = field(init=False, default=0)
 
     def comes_nearer(self, observation: Observation, estimate: PartEstimate) -> bool:
@@ -53,23 +62,39 @@ class NearAntenna:
         """
         if estimate.distance_m > self.from_m:
             return False
+        place = self._place(observation, estimate)
+        if place is None or (
+            self._planned_for_m is not None and _apart_m(place.part_m, self._planned_for_m) <= MOVED_M
+        ):
+            return False
+        return self._takes(place, 0)
+
+    def changes_sides(self, observation: Observation, estimate: PartEstimate) -> bool:
+        """Send the carrier to the next L about the part, whose legs lie on other sides and so see other reflections.
+
+        Args and returns as for `comes_nearer`; False too where every L has had its turn.
+        """
+        place = self._place(observation, estimate)
+        return place is not None and self._takes(place, self._option + 1)
+
+    def _place(self, observation: Observation, estimate: PartEstimate) -> "_Place | None":
+        """Where part and robot are among the antenna's positions; None if the scan does not tell."""
         try:
             base = locate_base(observation)
         except TagNeverHeard:
-            return False
+            return None
         if base.theta_rad is None:
+            return None
+        x_m, y_m = base.centre_m
+        return _Place(Pose2(x_m, y_m, base.theta_rad).apply(estimate.centre_m), base.centre_m)
+
+    def _takes(self, place: "_Place", option: int) -> bool:
+        robot_m = place.base_m + np.array([[-ROBOT_M], [ROBOT_M]])
+        options_m = self.track.options_m(place.part_m, np.concatenate([self.keep_out_m, robot_m[None]]))
+        if option >= len(options_m):
             return False
-        (x_m, y_m), theta_rad = base.centre_m, base.theta_rad
-        part_m = Pose2(x_m, y_m, theta_rad).apply(estimate.centre_m)
-        if self._planned_for_m is not None and np.linalg.norm(part_m - self._planned_for_m) <= MOVED_M:
-            return False
-        robot_m = base.centre_m + np.array([[-ROBOT_M], [ROBOT_M]])
-        try:
-            legs_m = self.track.legs_m(part_m, np.concatenate([self.keep_out_m, robot_m[None]]))
-        except OutOfReach:
-            return False
-        self._planned_for_m = part_m
-        self.carrier.use_legs(legs_m)
+        self._planned_for_m, self._option = place.part_m, option
+        self.carrier.use_legs(options_m[option])
         return True
 
     def looks_from_elsewhere(self) -> bool:
@@ -93,3 +118,7 @@ class NearAntenna:
     def found(self) -> None:
         """The part was found: a later look around may begin anew."""
         self._looks = 0
+
+
+def _apart_m(one_m: FloatArray, other_m: FloatArray) -> float:
+    return float(np.linalg.norm(one_m - other_m))

@@ -25,10 +25,14 @@ class PickUpRules(Record):
     Attributes:
         max_tries: Closings of the hand.
         max_drives: Drives to where a grasp is in reach.
+        enough: A plan that is less likely to hold is not tried before the antenna has looked from other sides.
+        max_looks: How often the antenna may do so.
     """
 
     max_tries: int = 3
     max_drives: int = 3
+    enough: float = 0.2
+    max_looks: int = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +47,9 @@ class GraspTrial(Record):
     plan: GraspPlan
     outcome: GraspOutcome
 
+
+# Reasons that no drive and no look from elsewhere can change.
+_HOPELESS = ("too_heavy", "too_wide")
 
 PickUpEvent: TypeAlias = FetchStep | GraspTrial
 
@@ -71,16 +78,22 @@ class PickUp:
 
         Raises:
             GraspFailed: If there is no grasp, or the last try failed as well; `reason` is the kind of the last failure.
+                Where another place of the base may help, the robot drives there first: so that the part can be grasped
+                if the planner says where, else so that it lies under the hand.
             NoAnswer: If the part cannot be located again.
         """
-        step, tries, drives = found, 0, 0
+        step, tries, drives, looks = found, 0, 0, 0
         while True:
             answer = self.planner.plan(self.part, step.estimate, start=step.configuration)
+            if looks < self.rules.max_looks and self._is_unsure(answer) and self.fetch.looks_from_another_side(step):
+                looks += 1
+                step = yield from self.fetch.measure_anew(part_moved=False)
+                continue
             if isinstance(answer, GraspFailure):
-                if answer.base is None or drives == self.rules.max_drives:
+                if answer.kind in _HOPELESS or drives == self.rules.max_drives:
                     raise GraspFailed(f"no grasp: {answer.message}", reason=answer.kind, tries=tries)
                 drives += 1
-                self.fetch.device.move_base(answer.base)
+                self.fetch.device.move_base(answer.base or self.fetch.under_the_hand(step.estimate))
                 step = yield from self.fetch.measure_anew(part_moved=False)
                 continue
             trial = GraspTrial(answer, self._carried_out(answer))
@@ -93,7 +106,14 @@ class PickUp:
                 reason, message = ("nothing_held", "nothing is held") if failure is None else (
                     failure.kind, failure.message)  # fmt: skip
                 raise GraspFailed(f"{message}, after {tries} tries", reason=reason, tries=tries)
+            self.fetch.looks_from_another_side(step)  # what misled it once would mislead it again
             step = yield from self.fetch.measure_anew(part_moved=True)
+
+    def _is_unsure(self, answer: GraspPlan | GraspFailure) -> bool:
+        """True if another look may help: a plan that hardly holds, or no grasp at all."""
+        if isinstance(answer, GraspFailure):
+            return answer.base is None and answer.kind not in _HOPELESS
+        return answer.success_probability is not None and answer.success_probability < self.rules.enough
 
     def _carried_out(self, plan: GraspPlan) -> GraspOutcome:
         """Go through the stages; after a failed try back to where the approach began.

@@ -1,5 +1,6 @@
 """`rfcompass fetch PART`: the whole RF-Compass job in a simulated room."""
 
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,13 +9,41 @@ import typer
 
 from rfcompass.cli.comparator import comparator_json
 from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_line
-from rfcompass.cli.output import JsonFlag, answering, failure_json, messages, plain, print_json
+from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, failure_json, messages, plain, print_json
 
 if TYPE_CHECKING:
     from planners.fetch import FetchStep
+    from planners.pick_up import GraspTrial
     from rfcompass.errors import NoAnswer
     from rfcompass.recordings import Run
     from rfcompass.studies.fetching import FetchTask, JudgedStep, SimulatedFetch
+
+
+@dataclass
+class Fetched:
+    """What came of a fetch.
+
+    Attributes:
+        run: The simulated job, with all stops.
+        steps: Every stop that led to an answer.
+        trials: Every closing of the hand.
+        failure: Why it ended without what was asked for; None if it did not.
+    """
+
+    run: "SimulatedFetch"
+    steps: "list[JudgedStep]" = field(default_factory=list)
+    trials: "list[GraspTrial]" = field(default_factory=list)
+    failure: "NoAnswer | None" = None
+
+    @property
+    def held(self) -> bool:
+        """True if the part is in the hand."""
+        return bool(self.trials) and self.trials[-1].outcome.success
+
+    @property
+    def located(self) -> bool:
+        """True if the part was located to the end, grasped or not."""
+        return self.failure is None or self.failure.kind == "GraspFailed"
 
 
 class Mode(StrEnum):
@@ -36,6 +65,7 @@ def fetch(
     scene: Annotated[str | None, typer.Option(help="Room, by name or recipe file; room_los by default.")] = None,
     occluded: Annotated[bool, typer.Option(help="A board before the part, a chair over it: scene room_nlos.")] = False,
     others: Annotated[bool, typer.Option(help="All other tagged parts of its kind lie in the room, too.")] = False,
+    grasp: Annotated[bool, typer.Option(help="Grasp the part; a single tag tells no orientation to grasp by.")] = True,
     robot: Annotated[str, typer.Option(help="Robot that has a posture 'scan', by name or file.")] = "youbot",
     sigma: Annotated[float, typer.Option(min=0.0, help="Without radio: standard deviation of log m.")] = 0.05,
     out: Annotated[Path | None, typer.Option(help="Run folder; by default runs/fetch-PART-SEED.")] = None,
@@ -44,7 +74,7 @@ def fetch(
     database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
     as_json: JsonFlag = False,
 ) -> None:
-    """Navigate to a part in a simulated room, localise it with the hand over it, and leave a run folder."""
+    """Navigate to a part in a simulated room, localise it with the hand over it, grasp it; leaves a run folder."""
     import webbrowser
 
     from rfcompass.recordings import PartDatabase, check_target, write_run
@@ -68,22 +98,43 @@ def fetch(
         )  # fmt: skip
         asked: dict[str, object] = {"command": "fetch", "part": part, "mode": mode.value, "seed": seed, "tags": tags,
                  "estimator": estimator, "proximity": proximity, "scene": scene, "occluded": occluded,
-                 "others": others, "robot": robot, "sigma": sigma}  # fmt: skip
-        run, steps, failure = _run(task)
-        if run.stops:
-            write_run(_as_run(task, run, steps, failure, asked), target, overwrite=overwrite)
-            page = f"; look at {target / 'view.html'}" if steps else ""
+                 "others": others, "grasp": grasp, "robot": robot, "sigma": sigma}  # fmt: skip
+        done = _run(task, grasp=grasp and tags > 1)
+        if done.run.stops:
+            write_run(_as_run(task, done, asked), target, overwrite=overwrite)
+            page = f"; look at {target / 'view.html'}" if done.steps else ""
             messages().print(f"run folder: {target}{page}", markup=False)
-        if failure is not None:
-            raise failure
-        last = steps[-1]
-        messages().print(f"found {part}: {one_line(last.step.estimate)}, base frame of the last stop", markup=False)
+        if done.failure is not None and not done.located:
+            raise done.failure
+        last = done.steps[-1]
+        messages().print(_outcome(part, done), markup=False)
         if show:
             webbrowser.open((target / "view.html").resolve().as_uri())
         if as_json:
             error = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
-            answer = _step_json(last.step)
-            print_json({**answer, "run": str(target), "stops_made": len(steps), "simulated_error": error})
+            print_json({**_answer(done), "run": str(target), "stops_made": len(done.steps), "simulated_error": error})
+        if done.failure is not None:
+            raise typer.Exit(EXIT_NO_ANSWER)
+
+
+def _outcome(part: str, done: Fetched) -> str:
+    where = f"{one_line(done.steps[-1].step.estimate)}, base frame of the last stop"
+    if done.held:
+        return f"{part} is in the hand, after {len(done.trials)} tries: {where}"
+    if done.failure is not None:
+        return f"{part} was found, not grasped: {done.failure.message}: {where}"
+    return f"found {part}: {where}"
+
+
+def _answer(done: Fetched) -> dict[str, Any]:
+    """The answer of `locate` from the last stop, and what came of the grasp."""
+    tries = [
+        {"success_probability": trial.plan.success_probability, "success": trial.outcome.success,
+         "failure": None if trial.outcome.failure is None else trial.outcome.failure.kind}
+        for trial in done.trials
+    ]  # fmt: skip
+    answer = {**_step_json(done.steps[-1].step), "grasp": {"held": done.held, "tries": tries}}
+    return answer if done.failure is None else {**answer, **failure_json(done.failure)}
 
 
 def _check_radio(mode: Mode, proximity: str | None, scene: str | None, *, occluded: bool, others: bool) -> None:
@@ -100,21 +151,34 @@ def _check_radio(mode: Mode, proximity: str | None, scene: str | None, *, occlud
         raise InputError(f"--proximity {NOISY_DISTANCE} simulates no radio, so that {given} would say nothing")
 
 
-def _run(task: "FetchTask") -> "tuple[SimulatedFetch, list[JudgedStep], NoAnswer | None]":
-    """Run the loop and say what it does, stop by stop; return the steps, and how it failed if it did."""
+def _run(task: "FetchTask", *, grasp: bool) -> Fetched:
+    """Run the loop and say what it does, stop by stop and try by try."""
     from rfcompass.errors import NoAnswer
-    from rfcompass.studies.fetching import SimulatedFetch
+    from rfcompass.studies.fetching import JudgedStep, SimulatedFetch
 
-    console, steps, run = messages(), [], SimulatedFetch(task)
+    console, done = messages(), Fetched(SimulatedFetch(task))
     with console.status(f"fetching {task.part.part_id}") as status:
         try:
-            for judged in run.steps():
-                steps.append(judged)
+            for judged in done.run.steps():
+                done.steps.append(judged)
                 status.update(f"{judged.step.phase}: stop {judged.step.observation.stop_id}")
                 console.print(_line(judged), markup=False)
+            for event in done.run.pick_up(done.steps[-1]) if grasp else ():
+                if isinstance(event, JudgedStep):
+                    done.steps.append(event)
+                    console.print(_line(event), markup=False)
+                else:
+                    done.trials.append(event)
+                    console.print(_try_line(event), markup=False)
         except NoAnswer as failure:
-            return run, steps, failure
-    return run, steps, None
+            done.failure = failure
+    return done
+
+
+def _try_line(trial: "GraspTrial") -> str:
+    chance, failure = trial.plan.success_probability, trial.outcome.failure
+    said = "the part is in the hand" if failure is None else failure.message
+    return f"grasp     success expected {'not known' if chance is None else f'{chance:.2f}'}: {said}"
 
 
 def _step_json(step: "FetchStep") -> dict[str, Any]:
@@ -129,13 +193,7 @@ def _line(judged: "JudgedStep") -> str:
     return f"{step.phase:<9} stop {step.observation.stop_id:>2}  {one_line(step.estimate)}  {error}{reach}"
 
 
-def _as_run(
-    task: "FetchTask",
-    run: "SimulatedFetch",
-    steps: "list[JudgedStep]",
-    failure: "NoAnswer | None",
-    asked: dict[str, object],
-) -> "Run":
+def _as_run(task: "FetchTask", done: Fetched, asked: dict[str, object]) -> "Run":
     import numpy as np
 
     from rfcompass.recordings import Run
@@ -143,6 +201,7 @@ def _as_run(
     from rfcompass.studies.fetch_trace import fetch_trace
     from rfcompass.studies.versions import software_versions
 
+    steps = done.steps
     events = [
         plain({"stop": s.step.observation.stop_id, "phase": s.step.phase, "in_reach": s.step.in_reach,
                "base": [s.step.configuration.base.x_m, s.step.configuration.base.y_m,
@@ -158,8 +217,8 @@ def _as_run(
     return Run(
         asked={**asked, "versions": software_versions()},
         events=events,
-        trace=fetch_trace(task.robot, run.stops),
-        estimate=plain(_step_json(steps[-1].step) if failure is None else failure_json(failure)),
+        trace=fetch_trace(task.robot, done.run.stops),
+        estimate=plain(failure_json(done.failure) if done.failure and not done.located else _answer(done)),
         samples=steps[-1].step.estimate.samples if steps else np.zeros((0, 3)),
         pictures=pictures if steps else {},
     )

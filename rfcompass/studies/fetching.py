@@ -7,7 +7,9 @@ import numpy as np
 
 from planners.antenna_track import NearTrack
 from planners.fetch import Fetch, FetchRules, FetchStep
+from planners.grasp import GraspPlanner
 from planners.near_antenna import NearAntenna
+from planners.pick_up import GraspTrial, PickUp
 from rfcompass.evaluation.metrics import angle_error_rad, position_error_m
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, ProximityMeter
@@ -93,6 +95,7 @@ class SimulatedFetch:
         antenna = None
         if task.near is not None and isinstance(sensor, RadioSensor):
             antenna = NearAntenna(self._device, task.near, keep_out_m=standing_m(sensor.scene))
+        self._task = task
         self._loop = Fetch(task.robot, self._device, task.localizer, start, task.rules, task.meter, antenna)
 
     @property
@@ -107,14 +110,31 @@ class SimulatedFetch:
             NoAnswer: If the loop ends without the part; the subclass says why.
         """
         for step in self._loop.steps():
-            truth = self._device.true_pose_in_base()
-            theta_rad = step.estimate.theta_rad
-            yield JudgedStep(
-                step,
-                float(position_error_m(step.estimate.centre_m, truth.translation_m)),
-                None if theta_rad is None else float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad))),
-                self._device.true_pose_in_room(),
-            )
+            yield self._judged(step)
+
+    def pick_up(self, found: JudgedStep) -> Iterator[JudgedStep | GraspTrial]:
+        """Grasp the part; judge the stops that are made in between.
+
+        Args:
+            found: The last step of `steps`.
+
+        Raises:
+            GraspFailed: If the part is not in the hand at the end; says why.
+            NoAnswer: If the part is lost after a failed try.
+            RobotModelError: If the robot has no hand of two fingers.
+        """
+        planner = GraspPlanner(self._task.robot)
+        for event in PickUp(self._loop, planner, self._task.part).events(found.step):
+            yield self._judged(event) if isinstance(event, FetchStep) else event
+
+    def _judged(self, step: FetchStep) -> JudgedStep:
+        truth, theta_rad = self._device.true_pose_in_base(), step.estimate.theta_rad
+        return JudgedStep(
+            step,
+            float(position_error_m(step.estimate.centre_m, truth.translation_m)),
+            None if theta_rad is None else float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad))),
+            self._device.true_pose_in_room(),
+        )
 
 
 def _sensor(task: FetchTask, room: PlaneRoom, layout: TagLayout, rng: np.random.Generator) -> RoomSensor:

@@ -41,7 +41,7 @@ def test_the_legs_keep_to_the_side_that_has_room():
 def test_a_closet_has_no_room():
     with pytest.raises(OutOfReach) as refused:
         NearTrack(low_m=(0.0, 0.0), high_m=(2.0, 2.0)).legs_m(np.array([1.0, 1.0]))
-    assert refused.value.numbers["longest_m"] < LEAST_LEG_M
+    assert refused.value.numbers == {"part_m": [1.0, 1.0], "needed_m": LEAST_LEG_M}
 
 
 blocks = st.lists(

@@ -89,6 +89,17 @@ def test_it_stays_where_it_drives_unless_the_part_seems_elsewhere():
     assert len(carrier.asked) == 2
 
 
+def test_other_sides_are_taken_once_each_until_the_part_seems_elsewhere():
+    carrier = Legs()
+    antenna = NearAntenna(carrier, TRACK)
+    assert antenna.comes_nearer(heard(), estimate())
+    while antenna.changes_sides(heard(), estimate()):
+        assert len(carrier.asked) <= 4
+    assert len({legs_m.tobytes() for legs_m in carrier.asked}) == len(carrier.asked) > 1
+    assert antenna.comes_nearer(heard(), estimate((2.0 * MOVED_M, 0.0)))
+    assert antenna.changes_sides(heard(), estimate((2.0 * MOVED_M, 0.0)))
+
+
 def test_it_does_not_follow_a_part_that_the_robot_is_far_from():
     carrier = Legs()
     assert not NearAntenna(carrier, TRACK, from_m=0.3).comes_nearer(heard(), estimate())

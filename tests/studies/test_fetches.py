@@ -15,9 +15,16 @@ def cell(**values):
 def test_a_fetch_is_judged_at_its_last_stop():
     row = fetch_trial(cell(), 3, None)
     assert row["answered"]
-    assert row["ended"] == "answered"
     assert row["found"] == (row["centre_error_m"] <= 0.10)
     assert row["stops"] >= 5
+    assert row["held"]
+    assert row["held_at_once"] == (row["tries"] == 1.0)
+
+
+def test_one_tag_is_located_and_not_grasped():
+    row = fetch_trial(cell(tags=1), 3, None)
+    assert row["answered"]
+    assert (row["held"], row["tries"], row["chance"]) == (False, None, None)
 
 
 def test_an_end_without_an_answer_is_a_row_with_its_reason(monkeypatch):
@@ -28,7 +35,8 @@ def test_an_end_without_an_answer_is_a_row_with_its_reason(monkeypatch):
     monkeypatch.setattr(SimulatedFetch, "steps", ends)
     row = fetch_trial(cell(), 3, None)
     assert row == {"centre_error_m": None, "theta_error_rad": None, "found": False, "stops": 0.0,
-                   "ended": "OutOfReach", "answered": False}  # fmt: skip
+                   "ended": "OutOfReach", "answered": False, "held": False, "held_at_once": False, "tries": None,
+                   "chance": None}  # fmt: skip
 
 
 def test_the_paper_and_we_differ_in_track_meter_and_estimator():
