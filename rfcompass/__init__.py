@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rfcompass.geometry.pose2 import Pose2 as Pose2
     from rfcompass.localization import ConsistencyLocalizer as ConsistencyLocalizer
     from rfcompass.localization import PartitionLocalizer as PartitionLocalizer
+    from rfcompass.localization import PosteriorLocalizer as PosteriorLocalizer
     from rfcompass.localization import survey as survey
     from rfcompass.recordings.parts import PartDatabase as PartDatabase
     from rfcompass.recordings.trace import Trace as Trace
@@ -38,6 +39,7 @@ _HOME = {
     "PartEstimate": "types.estimate",
     "PartitionLocalizer": "localization",
     "Pose2": "geometry.pose2",
+    "PosteriorLocalizer": "localization",
     "ProximityMatrix": "types.proximity",
     "ReadTrace": "types.reads",
     "Robot": "robots.robot",
@@ -61,6 +63,7 @@ __all__ = [
     "PartEstimate",
     "PartitionLocalizer",
     "Pose2",
+    "PosteriorLocalizer",
     "ProximityMatrix",
     "ReadTrace",
     "Robot",

@@ -50,12 +50,14 @@ def test_a_run_folder_is_complete_and_its_page_stands_alone(answer, fetched):
     assert json.loads((fetched / "run.json").read_text())["seed"] == 3
 
 
-def test_the_first_program_of_the_readme_runs_on_what_a_fetch_leaves(answer, fetched, monkeypatch, capsys):
+def test_the_first_program_of_the_readme_runs_on_what_a_fetch_leaves(answer, fetched, monkeypatch, capsys, tmp_path):
     text = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
     program = text.split("```python\n", 1)[1].split("```", 1)[0]
     monkeypatch.setenv("RFCOMPASS_PARTS", ":memory:")
+    monkeypatch.chdir(tmp_path)
     exec(program.replace("runs/fetch-table_leg_3-0/trace", str(fetched / "trace")), {})
     assert "[" in capsys.readouterr().out
+    assert (tmp_path / "grasp.html").stat().st_size > 100_000
 
 
 def test_the_same_seed_leaves_the_same_run_folder(run, answer, fetched, tmp_path):
