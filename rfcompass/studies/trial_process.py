@@ -1,8 +1,8 @@
 """Runs trials in a process of their own, so that none can stop, hang or starve the worker that wants its record.
 
 A Python signal or thread cannot end a trial that hangs in compiled code, and a crash takes its process along. So the
-worker only watches: it sends a batch, waits for one record after the other, and kills the process where one is late
-or takes too much memory. The process always computes with one thread, whatever the machine of the worker is set to.
+worker only watches: it sends a batch, waits for the records, and kills the process where one is late or takes too
+much memory. The process always computes with one thread, whatever the machine of the worker is set to.
 """
 
 import json
@@ -20,6 +20,7 @@ from rfcompass.evaluation.records import TrialFailure, TrialRecord
 from rfcompass.studies.batch import Batch, Finished, TrialWork
 from rfcompass.studies.limits import NO_LIMITS, TrialLimits
 from rfcompass.studies.process_memory import LOOK_SECONDS, resident_bytes
+from rfcompass.studies.trial_server import SEND_S
 from rfcompass.studies.versions import software_versions
 
 PROCESS_DIED = "process_died"
@@ -45,23 +46,24 @@ def run_batch(work: TrialWork, limits: TrialLimits, batch: Batch) -> Finished:
         StudyError: If the process cannot be started, or cannot import the trial.
     """
     records: list[TrialRecord] = []
-    deaths = 0
+    one_by_one, deaths = False, 0
     while len(records) < len(batch):
         rest = batch.after(len(records))
+        one_by_one = one_by_one or len(rest) == 1
         with _lent(work, limits) as process:
-            for record in process.records(rest):
-                records.append(record)
+            for some in process.records(rest, one_by_one=one_by_one):
+                records += some
                 deaths = 0
         if process.ended is None:
+            break
+        if not one_by_one:
+            one_by_one = True  # any trial since the last record may have been the one: find out which
             continue
         deaths += process.ended.kind == PROCESS_DIED
         if process.ended.kind != PROCESS_DIED or deaths == _TRIES:
-            place = len(records)
-            records.append(
-                TrialRecord(work.study, batch.cells[place], batch.seeds[place], {}, process.ended,
-                            process.waited_s, software_versions())
-            )  # fmt: skip
-            deaths = 0
+            place, deaths = len(records), 0
+            cell, seed, versions = batch.cells[place], batch.seeds[place], software_versions()
+            records.append(TrialRecord(work.study, cell, seed, {}, process.ended, process.waited_s, versions))
     return Finished(batch.numbers, tuple(records))
 
 
@@ -103,16 +105,23 @@ class TrialProcess:
             return False
         return limits.bytes is None or self._held_bytes() < self._baseline_bytes + limits.bytes
 
-    def records(self, batch: Batch) -> Iterator[TrialRecord]:
-        """Run a batch and yield a record for each trial, fewer if the process ends; then `ended` says why."""
+    def records(self, batch: Batch, *, one_by_one: bool) -> Iterator[list[TrialRecord]]:
+        """Run a batch and yield the records of its trials, fewer if the process ends; then `ended` says why.
+
+        Args:
+            batch: The trials.
+            one_by_one: Ask for each record as soon as there is one, so that it is known which trial runs.
+        """
         held_bytes = self._held_bytes() if self._limits.bytes else 0
         with suppress(OSError):  # it ended while idle: the first answer says so
-            self._connection.send(batch)
-        for _ in batch.numbers:
-            record = self._record(held_bytes)
-            if record is None:
+            self._connection.send((batch, one_by_one))
+        left = len(batch)
+        while left:
+            some = self._next(held_bytes, 0.0 if one_by_one else SEND_S)
+            if some is None:
                 return
-            yield record
+            left -= len(some)
+            yield some
 
     def stop(self) -> None:
         """Kill the process with all that it has started."""
@@ -135,33 +144,34 @@ class TrialProcess:
                 f"study {work.study}: the process for {work.module}.{work.function} failed: {said}", study=work.study
             )
 
-    def _record(self, held_bytes: int) -> TrialRecord | None:
-        """Wait for one record; None if the process ended instead."""
+    def _next(self, held_bytes: int, patience_s: float) -> list[TrialRecord] | None:
+        """Wait for some records; None if the process ended instead."""
         start = time.monotonic()
         try:
-            while not self._connection.poll(self._look_s(time.monotonic() - start)):
+            while not self._connection.poll(self._look_s(patience_s + start - time.monotonic())):
                 self.waited_s = time.monotonic() - start
-                if (failure := self._broken_limit(held_bytes)) is not None:
+                if (failure := self._broken_limit(held_bytes, patience_s)) is not None:
                     self.stop()
                     self.ended = failure
                     return None
-            record: TrialRecord = self._connection.recv()
+            some: list[TrialRecord] = self._connection.recv()
         except (EOFError, OSError):
             self.waited_s = time.monotonic() - start
             self.stop()
             self.ended = self._death()
             return None
-        return record
+        return some
 
-    def _look_s(self, waited_s: float) -> float | None:
-        left_s = None if self._limits.seconds is None else max(0.0, self._limits.seconds - waited_s)
+    def _look_s(self, patience_s: float) -> float | None:
+        """How long to wait before the next look at the limits, None for ever [s]."""
+        left_s = None if self._limits.seconds is None else max(0.0, self._limits.seconds + patience_s)
         if self._limits.bytes is None:
             return left_s
         return LOOK_SECONDS if left_s is None else min(left_s, LOOK_SECONDS)
 
-    def _broken_limit(self, held_bytes: int) -> TrialFailure | None:
+    def _broken_limit(self, held_bytes: int, patience_s: float) -> TrialFailure | None:
         limits = self._limits
-        if limits.seconds is not None and self.waited_s >= limits.seconds:
+        if limits.seconds is not None and self.waited_s >= limits.seconds + patience_s:
             return limits.timed_out()
         if limits.bytes is not None and self._held_bytes() > held_bytes + limits.bytes:
             return limits.out_of_memory()

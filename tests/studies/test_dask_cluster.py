@@ -45,11 +45,11 @@ def test_killed_workers_cost_no_trial(tmp_path, cluster):
 
 
 def test_limits_hold_on_a_cluster(tmp_path, cluster):
-    study = toy_study(trial=hostile_toy_trial, factors={"noise_m": (0.1,), "method": ("bold",)}, seeds=range(1, 6))
-    limits = TrialLimits(seconds=3.0, megabytes=300.0)
+    study = toy_study(trial=hostile_toy_trial, factors={"noise_m": (0.1,), "method": ("bold",)}, seeds=range(2, 6))
+    limits = TrialLimits(seconds=3.0, megabytes=150.0)
     rows = rows_on(tmp_path, study, backend="dask", scheduler=cluster.scheduler_address, limits=limits)
     kinds = rows.column("failure_kind").to_pylist()
-    assert kinds == ["timed_out", "timed_out", None, "out_of_memory", "process_died"]
+    assert kinds == ["timed_out", None, "out_of_memory", "process_died"]
 
 
 @pytest.mark.parametrize(

@@ -67,14 +67,17 @@ def short_work(number):
 
 def hostile_toy_trial(cell, seed, rng):
     """What goes wrong follows from the seed; everything else is a toy trial."""
-    mischief = {1: sleep_forever, 2: spin_in_compiled_code, 4: hoard, 5: crash, 6: exit_quietly, 7: hoard_shared}
+    mischief = {2: spin_in_compiled_code, 4: hoard, 5: crash, 6: exit_quietly, 7: hoard_shared}
     if cell["method"] == "bold" and seed in mischief:
         mischief[seed]()
     return toy_trial(cell, seed, rng)
 
 
-def sleep_forever():
-    time.sleep(600.0)
+def rarely_hostile_toy_trial(cell, seed, rng):
+    mischief = {50: crash, 90: exit_quietly, 91: crash, 150: spin_in_compiled_code}
+    if seed in mischief:
+        mischief[seed]()
+    return toy_trial({**cell, "method": "bold"}, seed, rng)
 
 
 def spin_in_compiled_code():
@@ -85,16 +88,15 @@ def spin_in_compiled_code():
 def hoard():
     kept = []
     while True:
-        kept.append(np.ones(1_000_000))
+        kept.append(np.ones(50_000_000))
 
 
 def hoard_shared():
     """Take memory that no limit of the system counts."""
-    with mmap.mmap(-1, 2_000_000_000) as shared:
-        for start in range(0, len(shared), 4096):
-            shared[start] = 1
-            if start % 40_960_000 == 0:
-                time.sleep(0.01)
+    shared = np.frombuffer(mmap.mmap(-1, 2_000_000_000), dtype=np.uint8)
+    for start in range(0, len(shared), 40_000_000):
+        shared[start : start + 40_000_000] = 1
+        time.sleep(0.01)
 
 
 def crash():
