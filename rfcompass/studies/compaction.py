@@ -64,6 +64,7 @@ def join_small_shards(folder: Path, many: int = MANY) -> None:
         return
     for group in _groups(small):
         _join(folder, group)
+        pa.default_memory_pool().release_unused()  # or a long run would hold on to what its largest join took
 
 
 def _groups(shards: Sequence[Shard]) -> Iterator[list[Shard]]:
