@@ -74,11 +74,8 @@ def results(backend: str, calls: Iterator[Call]) -> Generator[Any, None, None]:
 
 def lost_workers() -> tuple[type[Exception], ...]:
     """Return the exceptions that mean: workers were killed, and with them trials that can simply run again."""
-    homes = {"distributed.scheduler": "KilledWorker", "ray.exceptions": "RayActorError"}
-    return (
-        BrokenProcessPool,
-        *(getattr(sys.modules[home], name) for home, name in homes.items() if home in sys.modules),
-    )
+    scheduler = sys.modules.get("distributed.scheduler")
+    return (BrokenProcessPool,) if scheduler is None else (BrokenProcessPool, scheduler.KilledWorker)
 
 
 @contextmanager

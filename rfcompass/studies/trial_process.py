@@ -94,7 +94,7 @@ class TrialProcess:
                 stdin=subprocess.DEVNULL,
                 stdout=2,  # stdout is the report's
                 env=_environment(),
-                start_new_session=True,
+                process_group=0,  # so that all it starts can be killed with it
             )
         self._start()
         self._baseline_bytes = resident_bytes(self._process.pid) if limits.bytes else 0

@@ -20,7 +20,7 @@ from threading import Thread
 from typing import TypeAlias
 
 from rfcompass.evaluation.records import TrialFailure, TrialRecord
-from rfcompass.studies.batch import Batch, TrialWork
+from rfcompass.studies.batch import BATCH_SECONDS, Batch, TrialWork
 from rfcompass.studies.limits import OUT_OF_MEMORY, TrialLimits
 from rfcompass.studies.process_memory import at_most
 from rfcompass.studies.study import Trial
@@ -30,7 +30,7 @@ from rfcompass.studies.trial import run_trial
 Asked: TypeAlias = tuple[Batch, bool]
 
 _IDLE_S = 60.0
-SEND_S = 0.05  # records wait at most this long, and for the end of a trial
+SEND_S = BATCH_SECONDS  # records wait at most this long, and for the end of a trial
 _GRACE_S = 5.0  # the worker's own clock comes first, and knows what to write down
 
 
