@@ -33,12 +33,29 @@ def run(
     name: Annotated[str, typer.Argument(help="Name of the study; see `rfcompass study list`.")],
     out: Annotated[Path | None, typer.Option(help="Folder for the rows; by default runs/NAME.")] = None,
     trials: Annotated[int | None, typer.Option(min=1, help="Seeds in each cell; all by default.")] = None,
-    workers: Annotated[int, typer.Option(min=1, help="Worker processes.")] = 1,
-    backend: Annotated[str, typer.Option(help="loky, threading or sequential.")] = "loky",
+    workers: Annotated[int, typer.Option(min=1, help="Workers on this machine; a cluster has its own.")] = 1,
+    backend: Annotated[
+        str, typer.Option(help="loky (processes of this machine), dask or ray (extras), threading or sequential.")
+    ] = "loky",
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="Address of a dask or ray cluster, as tcp://HOST:8786; by default one is started here."),
+    ] = None,
+    trial_seconds: Annotated[
+        float | None, typer.Option(help="A trial that takes longer is ended: a row with failure timed_out.")
+    ] = None,
+    trial_megabytes: Annotated[
+        float | None,
+        typer.Option(help="A trial that takes more memory is ended: a row with failure out_of_memory."),
+    ] = None,
     resume: Annotated[bool, typer.Option(help="Go on with the rows that are there.")] = False,
     as_json: JsonFlag = False,
 ) -> None:
-    """Run a study, write its rows and its report, and print the table."""
+    """Run a study, write its rows and its report, and print the table.
+
+    The rows are the same on every backend and for any number of workers.
+    """
+    from rfcompass.studies.limits import TrialLimits
     from rfcompass.studies.registry import study
     from rfcompass.studies.runner import run_study
 
@@ -52,8 +69,16 @@ def run(
                 bar.update(task, total=progress.total, completed=progress.done, left=left)
 
             run_study(
-                chosen, folder, trials=trials, workers=workers, backend=backend, resume=resume, progress=show
-            )  # fmt: skip
+                chosen,
+                folder,
+                trials=trials,
+                workers=workers,
+                backend=backend,
+                scheduler=scheduler,
+                limits=TrialLimits(seconds=trial_seconds, megabytes=trial_megabytes),
+                resume=resume,
+                progress=show,
+            )
         _report(folder, as_json)
 
 

@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from rfcompass.errors import StudyError
 from rfcompass.files import write_text_atomic
+from rfcompass.studies.compaction import remove_replaced
 from rfcompass.studies.rows import read_shards, set_aside_partial_shards, sorted_rows
 from rfcompass.studies.study import Study
 from rfcompass.studies.versions import software_versions
@@ -45,6 +46,7 @@ def open_folder(study: Study, seeds: Sequence[int], out: Path, *, resume: bool) 
     for draft in filter(_is_draft, [*out.iterdir(), *(out / ROWS).iterdir()]):
         draft.unlink()
     set_aside_partial_shards(out / ROWS)
+    remove_replaced(out / ROWS)
     text = json.dumps(_manifest(study, seeds), indent=2, ensure_ascii=False) + "\n"
     write_text_atomic(out / MANIFEST, text)
     return out / ROWS
@@ -63,7 +65,7 @@ def read_rows(out: Path | str, study: Study | None = None) -> pa.Table:
     manifest = read_manifest(Path(out))
     if study is not None:
         _check_same_study(study, manifest, Path(out))
-    tables = read_shards(Path(out) / ROWS)
+    tables = list(read_shards(Path(out) / ROWS))
     if not tables:
         raise StudyError(f"{out} holds no rows yet", out=str(out))
     return sorted_rows(tables)

@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from uuid import uuid4
 
@@ -15,6 +15,7 @@ from rfcompass.arrays import BoolArray
 from rfcompass.errors import StudyError
 from rfcompass.evaluation.records import CellValue, TrialRecord
 from rfcompass.files import write_atomic
+from rfcompass.studies.compaction import MANY, join_small_shards, live_shards
 from rfcompass.studies.study import Study
 
 # What two runs of one trial need not share.
@@ -71,6 +72,7 @@ class RowWriter:
         self._shard_seconds = shard_seconds
         self._rows: list[dict[str, object]] = []
         self._written_at = time.monotonic()
+        self._shards = 0
 
     def add(self, record: TrialRecord) -> None:
         """Take one record; write a shard if it is time."""
@@ -79,24 +81,25 @@ class RowWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Write what has been collected."""
+        """Write what has been collected; now and then join what has become many shards."""
         rows, self._rows = self._rows, []  # first, so that an interrupted flush never writes a row twice
         if rows:
             table = pa.Table.from_pylist(rows, schema=self._schema)
             write_atomic(self._folder / f"rows-{uuid4().hex}.parquet", lambda draft: pq.write_table(table, draft))
+            self._shards += 1
+            if self._shards % MANY == 0:
+                join_small_shards(self._folder)
         self._written_at = time.monotonic()
 
 
-def read_shards(folder: Path, columns: Sequence[str] | None = None) -> list[pa.Table]:
-    """Read all shards of a folder; what is no complete Parquet file is left out and logged."""
-    tables = []
-    for path in sorted(folder.glob("*.parquet")):
-        table = _read_shard(path, columns)
+def read_shards(folder: Path, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
+    """Read the shards of a folder one after the other, each row once; what is no complete Parquet file is left out."""
+    for shard in live_shards(folder):
+        table = _read_shard(shard.path, columns)
         if table is None:
-            _log.warning("%s is no complete Parquet file; its rows count as not there", path)
+            _log.warning("%s is damaged; its rows count as not there", shard.path)
         else:
-            tables.append(table)
-    return tables
+            yield table
 
 
 def set_aside_partial_shards(folder: Path) -> None:
@@ -120,7 +123,7 @@ def finished_trials(study: Study, seeds: Sequence[int], folder: Path) -> BoolArr
     return finished
 
 
-def sorted_rows(tables: Sequence[pa.Table]) -> pa.Table:
+def sorted_rows(tables: Iterable[pa.Table]) -> pa.Table:
     """Join shards to one table in the order (cell, seed), whatever order they were computed in.
 
     Raises:
@@ -170,6 +173,6 @@ def _factor_type(values: Sequence[CellValue]) -> pa.DataType:
 def _read_shard(path: Path, columns: Sequence[str] | None) -> pa.Table | None:
     try:
         with pq.ParquetFile(path) as file:
-            return file.read(columns=list(columns) if columns else None)
+            return file.read(columns=list(columns) if columns else None).replace_schema_metadata(None)
     except (pa.ArrowInvalid, OSError):
         return None

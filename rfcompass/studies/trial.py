@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from rfcompass.errors import StudyError
 from rfcompass.evaluation.records import MetricValue, TrialFailure, TrialRecord
+from rfcompass.studies.limits import OUT_OF_MEMORY
 from rfcompass.studies.metric import Metric
 from rfcompass.studies.study import Cell, Trial, trial_rng
 from rfcompass.studies.versions import software_versions
@@ -26,6 +27,8 @@ def run_trial(study: str, trial: Trial, metrics: tuple[Metric, ...], cell: Cell,
     start = time.perf_counter()
     try:
         values = _checked(metrics, trial(dict(cell), seed, trial_rng(study, seed)))
+    except MemoryError as error:  # libraries have kinds of their own
+        failure = TrialFailure(OUT_OF_MEMORY, str(error))
     except Exception as error:  # the study goes on
         failure = TrialFailure.of(error)
     runtime_s = time.perf_counter() - start

@@ -77,7 +77,7 @@ def test_numbers_come_back_to_the_last_bit(tmp_path):
     writer = RowWriter(study, tmp_path)
     writer.add(run_trial("toy", lambda cell, seed, rng: {"x": value}, study.metrics, {"a": 1}, 0))
     writer.flush()
-    assert read_shards(tmp_path)[0].column("x")[0].as_py().hex() == value.hex()
+    assert next(read_shards(tmp_path)).column("x")[0].as_py().hex() == value.hex()
 
 
 def test_old_rows_go_to_the_disk_although_they_are_few(tmp_path):

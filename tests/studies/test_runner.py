@@ -1,12 +1,16 @@
 import itertools
+import os
 import random
 import subprocess
 import sys
 import time
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from pathlib import Path
 
 import pytest
-from toy_study import toy_study
+from joblib.externals.loky import get_reusable_executor
+from toy_study import killing_toy_trial, toy_study, toy_trial
 
 from rfcompass.errors import StudyError
 from rfcompass.studies import runner
@@ -101,6 +105,66 @@ def test_a_run_killed_at_any_moment_goes_on_where_it_was(tmp_path, expected):
     assert summary.found >= 6
     assert summary.found + summary.run == 32
     assert rows_of(tmp_path).equals(expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_run_killed_at_five_random_moments_gives_the_same_rows(tmp_path, workers):
+    run_study(toy_study(), tmp_path / "expected", trials=100, **HERE)
+    code = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from functools import partial\n"
+        "from toy_study import slow_toy_trial, toy_study\n"
+        "from rfcompass.studies import rows, runner\n"
+        "rows.MANY = 2  # small shards are written, joined and removed all the time\n"
+        "rows.join_small_shards = partial(rows.join_small_shards, many=2)\n"
+        "runner.RowWriter = partial(runner.RowWriter, shard_rows=2)\n"
+        f"runner.run_study(toy_study(trial=slow_toy_trial), {str(tmp_path / 'found')!r}, trials=100, "
+        f"workers={workers}, resume=True)\n"
+    )
+    moments = random.Random(workers)
+    for _ in range(5):
+        before = set(tmp_path.glob("found/rows/*"))
+        victim = subprocess.Popen([sys.executable, "-c", code], env={**os.environ, "OMP_NUM_THREADS": "1"})
+        while not set(tmp_path.glob("found/rows/*")) - before:
+            assert victim.poll() is None, "ended before it could be killed"
+            time.sleep(0.001)
+        time.sleep(moments.uniform(0.0, 0.3))
+        victim.kill()
+        victim.wait()
+    summary = run_study(toy_study(), tmp_path / "found", trials=100, resume=True, **HERE)
+    assert summary.found > 0
+    assert summary.run > 0
+    assert summary.found + summary.run == 400
+    assert rows_of(tmp_path / "found").equals(rows_of(tmp_path / "expected"))
+
+
+def test_workers_and_processes_that_are_killed_cost_no_trial(tmp_path, monkeypatch, caplog, expected):
+    (tmp_path / "marks").mkdir()
+    monkeypatch.setenv("TOY_MARKS", str(tmp_path / "marks"))
+    get_reusable_executor().shutdown(wait=True)  # workers of earlier tests do not know this variable
+    summary = run_study(toy_study(trial=killing_toy_trial), tmp_path / "out", workers=2)
+    assert len(list((tmp_path / "marks").iterdir())) == 2 * 3  # seeds 1, 4 and 7: the worker, then the process
+    assert summary.run == 32
+    assert "workers were lost" in caplog.text
+    assert rows_of(tmp_path / "out").equals(expected)
+
+
+def test_workers_that_are_lost_without_end_end_the_run(tmp_path, monkeypatch):
+    def lose(backend, calls):
+        raise BrokenProcessPool("killed")
+        yield
+
+    monkeypatch.setattr(runner, "results", lose)
+    with pytest.raises(StudyError, match="lost 5 times"):
+        run_study(toy_study(), tmp_path, workers=2)
+
+
+@pytest.mark.parametrize("trial", [lambda cell, seed, rng: {}, partial(toy_trial)])
+def test_a_trial_that_workers_cannot_import_is_refused_before_anything_is_written(tmp_path, trial):
+    with pytest.raises(StudyError, match="top of a module"):
+        run_study(toy_study(trial=trial), tmp_path / "out", workers=2)
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_resume_of_a_finished_run_does_nothing(tmp_path):

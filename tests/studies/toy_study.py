@@ -1,6 +1,13 @@
 """A small study for the tests; worker processes import it by name."""
 
+import contextlib
+import json
+import mmap
+import os
+import re
+import signal
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -34,6 +41,70 @@ def toy_trial(cell, seed, rng):
 def slow_toy_trial(cell, seed, rng):
     time.sleep(0.02)
     return toy_trial(cell, seed, rng)
+
+
+def killing_toy_trial(cell, seed, rng):
+    """Kill the worker that waits for this trial, then, in another try, this very process; each once for each seed."""
+    marks = Path(os.environ["TOY_MARKS"])
+    killed = seed % 3 == 1 and cell == {"noise_m": 0.1, "method": "bold"}
+    for victim in (os.getppid(), os.getpid()) if killed else ():
+        with contextlib.suppress(FileExistsError):
+            (marks / f"{seed}-{victim == os.getpid()}").touch(exist_ok=False)
+            os.kill(victim, signal.SIGKILL)
+            time.sleep(60.0)
+    return toy_trial(cell, seed, rng)
+
+
+def surroundings_trial(cell, seed, rng):
+    names = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
+    return {"remark": json.dumps({"process": os.getpid(), **{name: os.environ.get(name) for name in names}})}
+
+
+def short_work(number):
+    time.sleep(0.005)
+    return number
+
+
+def hostile_toy_trial(cell, seed, rng):
+    """What goes wrong follows from the seed; everything else is a toy trial."""
+    mischief = {2: spin_in_compiled_code, 4: hoard, 5: crash, 6: exit_quietly, 7: hoard_shared}
+    if cell["method"] == "bold" and seed in mischief:
+        mischief[seed]()
+    return toy_trial(cell, seed, rng)
+
+
+def rarely_hostile_toy_trial(cell, seed, rng):
+    mischief = {50: crash, 90: exit_quietly, 91: crash, 150: spin_in_compiled_code}
+    if seed in mischief:
+        mischief[seed]()
+    return toy_trial({**cell, "method": "bold"}, seed, rng)
+
+
+def spin_in_compiled_code():
+    """Hold the interpreter for minutes, where no Python signal handler and no Python thread gets its turn."""
+    re.match(r"(a|aa)+$", "a" * 60 + "b")
+
+
+def hoard():
+    kept = []
+    while True:
+        kept.append(np.ones(50_000_000))
+
+
+def hoard_shared():
+    """Take memory that no limit of the system counts."""
+    shared = np.frombuffer(mmap.mmap(-1, 2_000_000_000), dtype=np.uint8)
+    for start in range(0, len(shared), 40_000_000):
+        shared[start : start + 40_000_000] = 1
+        time.sleep(0.01)
+
+
+def crash():
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def exit_quietly():
+    os._exit(3)
 
 
 def toy_study(**changes):
