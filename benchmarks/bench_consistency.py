@@ -13,7 +13,6 @@ Run `python -m benchmarks.bench_consistency`; about two minutes, or some seconds
 """
 
 import argparse
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -22,7 +21,7 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 from benchmarks.bench_partition import PART_M
-from benchmarks.timing import Timing, show
+from benchmarks.timing import Timing, show, times_of
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry import Pose2
 from rfcompass.localization.best_cells import best_cells, signed_distances
@@ -82,7 +81,7 @@ def budgets(fast: bool = False) -> list[tuple[str, ...]]:
     full = [ConsistencyLocalizer().fit(stops) for stops in scenes]
     lines = []
     for boxes in (250, 500, 1000, 2000):
-        times, fits = _timed(ConsistencyLocalizer(max_boxes=boxes).fit, scenes)
+        times, fits = times_of(ConsistencyLocalizer(max_boxes=boxes).fit, scenes)
         short = [int(a.diagnostics["best"]) - int(b.diagnostics["best"]) for a, b in zip(full, fits, strict=True)]
         gap, median, late = [fit.gap for fit in fits], np.median(times) * 1e3, np.percentile(times, 95) * 1e3
         lines.append((str(boxes), f"{median:.1f}", f"{late:.1f}", f"{np.mean(short):.2f}", f"{np.mean(gap):.2f}"))
@@ -100,8 +99,8 @@ def run(fast: bool = False) -> list[Timing]:
 
 
 def _certify(name: str, scenes: Sequence[Sequence[ComparedStop]]) -> Certificate:
-    answer_s, fits = _timed(ConsistencyLocalizer().fit, scenes)
-    proof_s, _ = _timed(_search, [build_partition(stops, transitive_reduction=False) for stops in scenes])
+    answer_s, fits = times_of(ConsistencyLocalizer().fit, scenes)
+    proof_s, _ = times_of(_search, [build_partition(stops, transitive_reduction=False) for stops in scenes])
     rows = sum(len(stop.comparisons) for stop in scenes[0])
     return Certificate(f"{rows} rows, {name}", answer_s, proof_s, np.array([float(fit.gap or 0) for fit in fits]))
 
@@ -109,8 +108,8 @@ def _certify(name: str, scenes: Sequence[Sequence[ComparedStop]]) -> Certificate
 def _beside(K: int, count: int, peer: str, solve: Callable[[PartitionProblem], int]) -> Timing:
     scenes = [_random_stops(seed, K, 0.1, 0.0) for seed in _seeds(count)]
     problems = [build_partition(stops, transitive_reduction=False) for stops in scenes]
-    ours_s, ours = _timed(_search, problems)
-    theirs_s, theirs = _timed(solve, problems)
+    ours_s, ours = times_of(_search, problems)
+    theirs_s, theirs = times_of(solve, problems)
     differ = np.abs(np.array(ours) - np.array(theirs)).max() / max(ours)
     rows = len(problems[0].rows.b)
     return Timing(
@@ -154,17 +153,6 @@ def _grid(problem: PartitionProblem) -> int:
     places = np.array(np.meshgrid(x, y)).reshape(2, -1).T @ G[:, :2].T - G[:, 4]
     turns = np.radians(np.arange(0.0, 360.0, 5.0, dtype=np.float32)) if n == 4 else np.zeros(1, dtype=np.float32)
     return max(int((places <= -G[:, 2] * np.cos(t) - G[:, 3] * np.sin(t)).sum(axis=1).max()) for t in turns)
-
-
-def _timed(solve: Callable[[Problem], Answer], problems: Sequence[Problem]) -> tuple[FloatArray, list[Answer]]:
-    """CPU time of each solve [s], and all answers."""
-    solve(problems[0])  # compile
-    times, answers = [], []
-    for problem in problems:
-        start = time.process_time()
-        answers.append(solve(problem))
-        times.append(time.process_time() - start)
-    return np.array(times), answers
 
 
 def _seeds(count: int) -> Iterator[int]:

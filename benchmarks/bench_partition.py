@@ -10,13 +10,12 @@ Run `python -m benchmarks.bench_partition`; about half a minute, or a few second
 """
 
 import argparse
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import cvxpy as cp
 import numpy as np
 
-from benchmarks.timing import Timing, show
+from benchmarks.timing import Timing, median_of, show
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry import Pose2
 from rfcompass.localization.compared_stop import ComparedStop
@@ -39,10 +38,10 @@ def run(fast: bool = False) -> list[Timing]:
 
 def _compare(problems: Sequence[PartitionProblem], theirs: int, size: str) -> list[Timing]:
     solve_partition(problems[0])  # compile
-    ours_s, ours = _median_time(lambda problem: solve_partition(problem).z, problems)
+    ours_s, ours = median_of(lambda problem: solve_partition(problem).z, problems)
     few = problems[:theirs]
-    slow_s, slow = _median_time(_analytic_centre, few)
-    printed_s, _ = _median_time(_as_printed, few)
+    slow_s, slow = median_of(_analytic_centre, few)
+    printed_s, _ = median_of(_as_printed, few)
     differ = float(np.nanmax(np.abs(np.array(ours[:theirs]) - slow)))
     return [
         Timing(
@@ -79,19 +78,6 @@ def _as_printed(problem: PartitionProblem) -> FloatArray:
 def _failed(answers: Sequence[FloatArray]) -> str:
     count = int(np.isnan(answers).any(axis=1).sum())
     return f", {count} failed" if count else ""
-
-
-def _median_time(
-    solve: Callable[[PartitionProblem], FloatArray], problems: Sequence[PartitionProblem]
-) -> tuple[float, list[FloatArray]]:
-    """Median CPU time of one solve [s], and all answers."""
-    solve(problems[0])
-    times, answers = [], []
-    for problem in problems:
-        start = time.process_time()
-        answers.append(solve(problem))
-        times.append(time.process_time() - start)
-    return float(np.median(times)), answers
 
 
 def _random_stops(rng: np.random.Generator) -> list[ComparedStop]:

@@ -14,15 +14,14 @@ Run `python -m benchmarks.bench_posterior`; about a minute, or some seconds with
 """
 
 import argparse
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from benchmarks.bench_partition import PART_M
-from benchmarks.timing import Timing, show
+from benchmarks.timing import Timing, median_of, show, times_of
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry import Pose2
 from rfcompass.localization import PosteriorLocalizer, measure_proximities
@@ -61,14 +60,14 @@ def run(fast: bool = False) -> list[Timing]:
     lines = []
     for M in (1, 3):
         problems = [random_problem(seed, M) for seed in range(FIRST_SEED, FIRST_SEED + many)]
-        ours_s, ours = _median_time(_ours, problems)
+        ours_s, ours = median_of(_ours, problems)
         for name, solve in (
             ("numpy grid", _grid),
             ("Metropolis", _metropolis),
             ("scipy least_squares", _least_squares),
         ):
-            theirs_s, theirs = _median_time(solve, problems[:few])
-            differ = float(np.median(np.hypot(*(ours[:few] - theirs).T)))
+            theirs_s, theirs = median_of(solve, problems[:few])
+            differ = float(np.median(np.hypot(*(np.array(ours[:few]) - np.array(theirs)).T)))
             lines.append(
                 Timing(f"posterior, {M} stop{'s' * (M > 1)}, x {many}", ours_s, f"{name}, x {few}", theirs_s, differ)
             )
@@ -81,7 +80,7 @@ def late(fast: bool = False) -> list[str]:
     for K in (1, 2, 4):
         for M in (1, 3, 5):
             problems = [random_problem(seed, M, K) for seed in range(FIRST_SEED, FIRST_SEED + (10 if fast else 200))]
-            times = _times(_ours, problems)[0] * 1e3
+            times = times_of(_ours, problems)[0] * 1e3
             lines.append(
                 f"K = {K}, {M} stops: median {np.median(times):5.1f} ms, 90 % {np.percentile(times, 90):5.1f} ms"
             )
@@ -137,21 +136,6 @@ def _least_squares(problem: Problem) -> FloatArray:
     starts = [np.array([*problem.near_m, turn]) for turn in np.arange(8) * np.pi / 4]
     fits = [least_squares(misses, start, loss="soft_l1") for start in starts]
     return np.asarray(min(fits, key=lambda fit: fit.cost).x[:2])
-
-
-def _median_time(solve: Callable[[Problem], FloatArray], problems: Sequence[Problem]) -> tuple[float, FloatArray]:
-    times, answers = _times(solve, problems)
-    return float(np.median(times)), answers
-
-
-def _times(solve: Callable[[Problem], FloatArray], problems: Sequence[Problem]) -> tuple[FloatArray, FloatArray]:
-    solve(problems[0])  # compile
-    times, answers = [], []
-    for problem in problems:
-        start = time.process_time()
-        answers.append(solve(problem))
-        times.append(time.process_time() - start)
-    return np.array(times), np.array(answers)
 
 
 def _points(K: int) -> FloatArray:

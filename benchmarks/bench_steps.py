@@ -14,15 +14,14 @@ Run `python -m benchmarks.bench_steps`; some seconds.
 """
 
 import argparse
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TypeVar
 
 import cvxpy as cp
 import numpy as np
 
 from benchmarks.bench_posterior import FIRST_SEED, random_problem
-from benchmarks.timing import Timing, show
+from benchmarks.timing import Timing, median_of, show
 from rfcompass.arrays import FloatArray
 from rfcompass.interfaces import Localizer
 from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer, PosteriorLocalizer
@@ -42,18 +41,18 @@ def run(fast: bool = False) -> list[Timing]:
     many, few = (5, 2) if fast else (200, 20)
     seen = [random_problem(seed, STOPS).stops for seed in range(FIRST_SEED, FIRST_SEED + many)]
     compared = [compared_stops(stops) for stops in seen]
-    build_s, problems = _median_time(lambda stops: build_partition(stops, transitive_reduction=False), compared)
-    prepare_s, _ = _median_time(_prepared, problems[:few])
+    build_s, problems = median_of(lambda stops: build_partition(stops, transitive_reduction=False), compared)
+    prepare_s, _ = median_of(_prepared, problems[:few])
     rows = len(problems[0].rows.b)
     lines = [Timing(f"rows of {STOPS} stops, {rows}", build_s, f"{PEER}, preparation", prepare_s, np.nan)]
-    slack_s, slack_m = _median_time(_least_slack, problems[:few])
+    slack_s, slack_m = median_of(_least_slack, problems[:few])
     ways: dict[str, Localizer] = {
         "paper": PartitionLocalizer(),
         "consistency": ConsistencyLocalizer(),
         "posterior": PosteriorLocalizer(),
     }
     for name, localizer in ways.items():
-        ours_s, ours_m = _median_time(lambda stops, localizer=localizer: _centre(localizer, stops), seen)
+        ours_s, ours_m = median_of(lambda stops, localizer=localizer: _centre(localizer, stops), seen)
         differ = float(np.median(np.linalg.norm(np.array(ours_m[:few]) - slack_m, axis=1)))
         what = f"whole answer, {name}, {rows} comparisons"
         lines.append(Timing(what, ours_s, f"{PEER}, least slack", slack_s, differ))
@@ -78,17 +77,6 @@ def _least_slack(problem: PartitionProblem) -> FloatArray:
 
 def _centre(localizer: Localizer, stops: Sequence[Observation]) -> FloatArray:
     return localizer.estimate(stops).centre_m
-
-
-def _median_time(solve: Callable[[Problem], Answer], problems: Sequence[Problem]) -> tuple[float, list[Answer]]:
-    """Median CPU time of one call [s], and all answers."""
-    solve(problems[0])  # compile
-    times, answers = [], []
-    for problem in problems:
-        start = time.process_time()
-        answers.append(solve(problem))
-        times.append(time.process_time() - start)
-    return float(np.median(times)), answers
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -5,6 +5,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import TypeVar
 
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+
+Problem = TypeVar("Problem")
 Answer = TypeVar("Answer")
 
 
@@ -55,6 +60,23 @@ def best_of(repeats: int, compute: Callable[[], Answer]) -> tuple[float, Answer]
         answer = compute()
         times.append(time.process_time() - start)
     return min(times), answer
+
+
+def times_of(solve: Callable[[Problem], Answer], problems: Sequence[Problem]) -> tuple[FloatArray, list[Answer]]:
+    """CPU time of each solve [s], shape (P,), and all answers; the first problem is solved once before, to compile."""
+    solve(problems[0])
+    times, answers = [], []
+    for problem in problems:
+        start = time.process_time()
+        answers.append(solve(problem))
+        times.append(time.process_time() - start)
+    return np.array(times), answers
+
+
+def median_of(solve: Callable[[Problem], Answer], problems: Sequence[Problem]) -> tuple[float, list[Answer]]:
+    """Median CPU time of one solve [s], and all answers."""
+    times, answers = times_of(solve, problems)
+    return float(np.median(times)), answers
 
 
 def show(timings: Sequence[Timing]) -> None:
