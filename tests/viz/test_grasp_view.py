@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from grasp_scenes import LEG, REASONS, ROBOT, T_BASE_PART, a_plan, a_world, an_estimate, candidates
+from drawn_plans import LEG, REASONS, ROBOT, T_BASE_PART, a_plan, a_world, an_estimate, candidates
 
 from rfcompass.errors import InputError
 from rfcompass.geometry import Pose2

@@ -3,7 +3,7 @@
 import matplotlib.image
 import numpy as np
 import pytest
-from grasp_scenes import LEG, ROBOT, a_plan, a_world, an_estimate
+from drawn_plans import LEG, ROBOT, a_plan, a_world, an_estimate
 
 from rfcompass.errors import NoBrowser
 from rfcompass.viz import colours

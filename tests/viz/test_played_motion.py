@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from grasp_scenes import GRASP, LIFTED, ROBOT, T_BASE_PART, a_plan
+from drawn_plans import GRASP, LIFTED, ROBOT, T_BASE_PART, a_plan
 
 from rfcompass.errors import InputError
 from rfcompass.geometry import Pose2
