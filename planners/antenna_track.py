@@ -16,7 +16,10 @@ from rfcompass.errors import OutOfReach
 Point: TypeAlias = tuple[float, float, float]
 Leg: TypeAlias = tuple[Point, Point]
 
-LEAST_LEG_M = 1.5  # ours: shorter legs resolve too little
+# Ours. Shorter legs resolve too little, and so do legs beside which the part does not lie: it sees them under a smaller
+# angle. Beyond the largest angle nothing more is gained.
+LEAST_LEG_M = 1.5
+LEAST_ANGLE_RAD, ENOUGH_ANGLE_RAD = np.radians([45.0, 100.0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,32 +49,36 @@ class NearTrack:
 
         Returns:
             Start and end of each leg [m], shape (2, 2, 3). Of the four sides that the L can have, the one whose
-            shorter leg is longest; the first of several.
+            worse leg the part sees under the largest angle; the first of several.
 
         Raises:
-            OutOfReach: If there is no room for two legs of 1.5 m at any of the distances.
+            OutOfReach: If there is no room for two legs, of 1.5 m and 45 degrees at least, at any of the distances.
         """
         options_m = self.options_m(part_m, keep_out_m)
         if not options_m:
             (x_m, y_m), offs = part_m, ", ".join(f"{off:g}" for off in self.stand_offs_m)
-            message = f"no room for two legs of {LEAST_LEG_M} m at {offs} m from ({x_m:.2f}, {y_m:.2f}) m"
+            message = f"no room for two legs of {LEAST_LEG_M} m at {offs} m beside ({x_m:.2f}, {y_m:.2f}) m"
             raise OutOfReach(message, part_m=[float(x_m), float(y_m)], needed_m=LEAST_LEG_M)
         return options_m[0]
 
     def options_m(self, part_m: FloatArray, keep_out_m: FloatArray | None = None) -> list[FloatArray]:
-        """List every L about a place in the rectangle's frame, that with the longest shorter leg first.
+        """List every L about a place, first that whose worse leg is seen from there under the largest angle.
 
         Args:
-            part_m: About where the part lies [m], shape (2,).
+            part_m: About where the part lies, in the rectangle's frame [m], shape (2,).
             keep_out_m: Rectangles that the carrier must not touch, least and largest x, y of each [m], shape (B, 2, 2).
 
         Returns:
-            Start and end of each leg [m], shape (2, 2, 3) each; at most one for each of the four sides that an L has.
+            Start and end of each leg [m], shape (2, 2, 3) each: for each of the four sides that an L has the best of the
+            distances; after these the second best, and so on.
         """
         blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
-        sides = [[self._leg_m(part_m, axis, side, blocks_m) for side in (-1.0, 1.0)] for axis in (0, 1)]
-        found = [np.array(pair) for pair in product(*sides) if min(map(_length_m, pair)) >= LEAST_LEG_M]
-        return sorted(found, key=lambda legs_m: -round(min(map(_length_m, legs_m)), 9))
+        sides = [[self._legs_beside_m(part_m, axis, side, blocks_m) for side in (-1.0, 1.0)] for axis in (0, 1)]
+        found: list[FloatArray] = []
+        for rank in range(len(self.stand_offs_m)):
+            pairs = [(x[rank], y[rank]) for x, y in product(*sides) if rank < min(len(x), len(y))]
+            found += sorted(map(np.array, pairs), key=lambda legs_m: -min(_seen_rad(part_m, leg) for leg in legs_m))
+        return found
 
     def corner_legs_m(self, corner: tuple[int, int], keep_out_m: FloatArray | None = None) -> FloatArray:
         """Plan one leg along each of the two sides that meet in a corner, from the middle of the rectangle's side.
@@ -86,41 +93,39 @@ class NearTrack:
         blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
         bounds_m = np.array([self.low_m, self.high_m])
         centre_m = bounds_m.mean(axis=0)
-        legs = [
-            self._longest_m(axis, float(centre_m[axis]), float(bounds_m[corner[1 - axis], 1 - axis]), blocks_m)
+        sides = [
+            self._legs_along_m(axis, float(centre_m[axis]), float(bounds_m[corner[1 - axis], 1 - axis]), blocks_m)
             for axis in (0, 1)
         ]
-        shorter_m = min(_length_m(leg) for leg in legs)
-        if shorter_m < LEAST_LEG_M:
-            raise OutOfReach(f"no room for legs of {LEAST_LEG_M} m in corner {corner}", longest_m=shorter_m)
+        legs = [max(side, key=_length_m, default=None) for side in sides]
+        if any(leg_m is None or _length_m(leg_m) < LEAST_LEG_M for leg_m in legs):
+            raise OutOfReach(f"no room for legs of {LEAST_LEG_M} m in corner {corner}", needed_m=LEAST_LEG_M)
         return np.array(legs)
 
     def legs(self, part_m: FloatArray) -> tuple[Leg, ...]:
         """Return the legs as tuples, as a simulated carrier takes them; see `legs_m`."""
         return tuple(((a[0], a[1], a[2]), (b[0], b[1], b[2])) for a, b in self.legs_m(part_m).tolist())
 
-    def _leg_m(self, part_m: FloatArray, axis: int, side: float, blocks_m: FloatArray) -> FloatArray | None:
-        """Longest leg along an axis on one side of the part, at the first distance that allows it, shape (2, 3)."""
-        best, other = None, 1 - axis
+    def _legs_beside_m(self, part_m: FloatArray, axis: int, side: float, blocks_m: FloatArray) -> list[FloatArray]:
+        """The best leg at each distance along an axis on one side of the part, best first, shape (2, 3) each."""
+        found, other = [], 1 - axis
         for stand_off_m in self.stand_offs_m:
             across_m = float(part_m[other] + side * stand_off_m)
-            if not self.low_m[other] - 1e-9 <= across_m <= self.high_m[other] + 1e-9:
-                continue
-            leg_m = self._longest_m(axis, float(part_m[axis]), across_m, blocks_m)
-            if _length_m(leg_m) > _length_m(best) + 1e-9:
-                best = leg_m
-        return best
+            if self.low_m[other] - 1e-9 <= across_m <= self.high_m[other] + 1e-9:
+                legs_m = self._legs_along_m(axis, float(part_m[axis]), across_m, blocks_m)
+                found += [max(legs_m, key=lambda leg_m: _seen_rad(part_m, leg_m))] if legs_m else []
+        good = [leg for leg in found if _seen_rad(part_m, leg) >= LEAST_ANGLE_RAD and _length_m(leg) >= LEAST_LEG_M]
+        return sorted(good, key=lambda leg_m: -_seen_rad(part_m, leg_m))
 
-    def _longest_m(self, axis: int, middle_m: float, across_m: float, blocks_m: FloatArray) -> FloatArray | None:
-        """Longest leg along a line of the rectangle, as near to `middle_m` as it can be, shape (2, 3)."""
-        best = None
+    def _legs_along_m(self, axis: int, middle_m: float, across_m: float, blocks_m: FloatArray) -> list[FloatArray]:
+        """A leg in each gap of a line of the rectangle, as near to `middle_m` as it can be, shape (2, 3) each."""
+        found = []
         for low_m, high_m in self._gaps_m(axis, across_m, blocks_m):
             leg_m = np.zeros((2, 3))
             leg_m[:, axis], leg_m[:, 1 - axis] = _span_m(middle_m, low_m, high_m, self.length_m), across_m
             leg_m[:, 2] = self.height_m
-            if _length_m(leg_m) > _length_m(best) + 1e-9:
-                best = leg_m
-        return best
+            found.append(leg_m)
+        return found
 
     def _gaps_m(self, axis: int, across_m: float, blocks_m: FloatArray) -> list[tuple[float, float]]:
         """Free intervals along a line of the rectangle [m], in ascending order."""
@@ -141,5 +146,12 @@ def _span_m(middle_m: float, low_m: float, high_m: float, length_m: float) -> Fl
     return np.array([centre_m - half_m, centre_m + half_m])
 
 
-def _length_m(leg_m: FloatArray | None) -> float:
-    return 0.0 if leg_m is None else float(np.linalg.norm(leg_m[1] - leg_m[0]))
+def _length_m(leg_m: FloatArray) -> float:
+    return float(np.linalg.norm(leg_m[1] - leg_m[0]))
+
+
+def _seen_rad(part_m: FloatArray, leg_m: FloatArray) -> float:
+    """Angle under which a leg is seen from the part, up to what is enough, to nine digits [rad]."""
+    start, end = leg_m[:, :2] - part_m
+    angle = float(abs(np.arctan2(start[0] * end[1] - start[1] * end[0], start @ end)))
+    return round(min(angle, float(ENOUGH_ANGLE_RAD)), 9)
