@@ -69,8 +69,8 @@ class NearTrack:
             keep_out_m: Rectangles that the carrier must not touch, least and largest x, y of each [m], shape (B, 2, 2).
 
         Returns:
-            Start and end of each leg [m], shape (2, 2, 3) each: for each of the four sides that an L has the best of the
-            distances; after these the second best, and so on.
+            Start and end of each leg [m], shape (2, 2, 3) each: for each of the four sides that an L has the best
+            distance; after these the second best, and so on.
         """
         blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
         sides = [[self._legs_beside_m(part_m, axis, side, blocks_m) for side in (-1.0, 1.0)] for axis in (0, 1)]
