@@ -211,6 +211,8 @@ class RobotServer:
             except RobotFormatError as error:
                 await _send(writer, error_frame(None, error))
                 return
+            if session.writer is not writer:  # the client is back on another connection: what it left here is void
+                return
             frame = await self._answered(session, line)
             if session.writer is writer:
                 await _send(writer, frame)
