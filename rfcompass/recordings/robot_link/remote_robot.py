@@ -128,20 +128,24 @@ class RemoteRobot:
         self._link.reconnect()
         _check_joints(self._link.greeting, self._robot)
 
-    def repeat_unanswered(self) -> Pose2 | Observation | GraspOutcome | RobotState | None:
+    def repeat_unanswered(self, wait_s: float | None = None) -> Pose2 | Observation | GraspOutcome | RobotState | None:
         """Ask for the answer that was lost; the robot does what it has not done, and nothing twice.
+
+        Args:
+            wait_s: How long the answer may take [s]; as long as any other if None.
 
         Returns:
             What the command would have returned.
 
         Raises:
             InputError: If every command was answered.
+            RobotRefused: If the robot's side has forgotten this client, so that nobody knows what was done.
             RfCompassError: What the command would have raised.
         """
         command = self._link.unanswered
         if command is None:
             raise InputError("every command was answered: there is nothing to repeat")
-        return self._decoded(command, self._link.ask_again(self._command_s))
+        return self._decoded(command, self._link.ask_again(self._command_s if wait_s is None else wait_s))
 
     def close(self) -> None:
         """Hang up."""

@@ -241,8 +241,7 @@ def test_a_slow_robot_is_lost_and_found_and_has_driven_once(served, device):
             robot.repeat_unanswered()
         device.go.set()
         robot.reconnect()
-        robot._command_s = 10.0
-        assert robot.repeat_unanswered() == GOAL
+        assert robot.repeat_unanswered(10.0) == GOAL
         assert robot.unanswered is None
         with pytest.raises(InputError):
             robot.repeat_unanswered()
