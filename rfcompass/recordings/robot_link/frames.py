@@ -4,6 +4,7 @@ Python writes a float so that reading it gives the same float, to the last bit; 
 """
 
 import json
+import reprlib
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 
@@ -16,6 +17,9 @@ SCHEMA = "rfcompass-robot-link/1"
 # A command is some hundred bytes. A scan of a dozen tags at 300 antenna positions on 50 carriers is 9 MB. Ours.
 LONGEST_COMMAND_BYTES = 1 << 20
 LONGEST_REPLY_BYTES = 1 << 26
+
+# Commands that change nothing: answered under any number, and not remembered.
+READ_ONLY = frozenset({"state"})
 
 JsonObject: TypeAlias = dict[str, Any]
 
@@ -59,8 +63,13 @@ def frame_id(frame: Mapping[str, Any]) -> int:
     """
     number = frame.get("id")
     if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < 1 << 53:
-        raise RobotFormatError(f"id: {number!r} is no integer from 0 to 2^53", key="id")
+        raise RobotFormatError(f"id: {shown(number)} is no integer from 0 to 2^53", key="id")
     return number
+
+
+def shown(value: object) -> str:
+    """A value for an error's message, cut short: what comes from outside may be long or nested deeply."""
+    return reprlib.repr(value)
 
 
 def plain(value: Any) -> Any:  # noqa: ANN401 - the numbers of an error are anything

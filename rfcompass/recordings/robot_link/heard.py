@@ -15,7 +15,7 @@ from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError, RobotFormatError
 from rfcompass.recordings.antenna_poses import AntennaPoses
 from rfcompass.recordings.read_table import reads_table
-from rfcompass.recordings.robot_link.frames import JsonObject
+from rfcompass.recordings.robot_link.frames import JsonObject, shown
 from rfcompass.recordings.robot_link.values import integer, integers, item, number, numbers, text
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
@@ -112,9 +112,9 @@ def _averaged(content: object, epcs: Collection[str]) -> Scan:
 
 def _read_of(row: object) -> TagRead:
     if not isinstance(row, Mapping):
-        raise RobotFormatError(f"reads: {row!r} is no object", key="rows")
+        raise RobotFormatError(f"reads: {shown(row)} is no object", key="rows")
     if unknown := sorted(set(row) - set(_READ_FIELDS)):
-        raise RobotFormatError(f"reads: column {unknown[0]} is unknown", key=unknown[0])
+        raise RobotFormatError(f"reads: column {shown(unknown[0])} is unknown", key=unknown[0])
     required = {name: item(row, name) for name in ("epc", "antenna", "freq_hz")}
     return TagRead(**{**dict.fromkeys(_REPORTED), **required, **row})
 

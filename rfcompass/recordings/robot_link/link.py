@@ -23,11 +23,13 @@ from rfcompass.errors import (
 from rfcompass.recordings.robot_link.errors_json import error_of
 from rfcompass.recordings.robot_link.frames import (
     LONGEST_REPLY_BYTES,
+    READ_ONLY,
     SCHEMA,
     JsonObject,
     decode_frame,
     encode_frame,
     frame_id,
+    shown,
 )
 from rfcompass.recordings.robot_link.values import item, text
 
@@ -110,8 +112,11 @@ class RobotLink:
         if self._socket is None:
             raise RobotLost(f"{self._name} was lost before {command}: reconnect first", command=command, **self._peer)
         self._last_id += 1
-        self._unanswered, self._forgotten = _Sent(self._last_id, command, frame), False
-        return self._answer(self._unanswered, wait_s)
+        sent = _Sent(self._last_id, command, frame)
+        if command in READ_ONLY:  # to look does not give up what is unanswered
+            return self._exchanged(sent, wait_s)
+        self._unanswered, self._forgotten = sent, False
+        return self._answer(sent, wait_s)
 
     def ask_again(self, wait_s: float) -> Any:  # noqa: ANN401 - JSON
         """Send the unanswered command once more, under its old number: it is done once, however often it is asked.
@@ -164,8 +169,8 @@ class RobotLink:
 
     def _greeted(self, reply: JsonObject) -> Greeting:
         if (schema := reply.get("schema") if isinstance(reply, dict) else None) != SCHEMA:
-            message = f"{self._name} speaks {schema!r}, not {SCHEMA}"
-            raise RobotSchemaError(message, schema=schema, expected=SCHEMA, **self._peer)
+            message = f"{self._name} speaks {shown(schema)}, not {SCHEMA}"
+            raise RobotSchemaError(message, schema=shown(schema), expected=SCHEMA, **self._peer)
         try:
             joints, capabilities = (tuple(map(str, item(reply, key))) for key in ("joints", "capabilities"))
             return Greeting(text(reply, "robot"), joints, capabilities, bool(item(reply, "resumed")))

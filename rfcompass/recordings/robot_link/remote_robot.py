@@ -34,7 +34,7 @@ class RemoteRobot:
     """A client of `rfcompass-robot-link/1` (`Scanner`, `MobileManipulator`, `StateReporter`, `AntennaCarrier`).
 
     What the robot reports are its joints and reads; forward kinematics is run here. A command is sent once. If its
-    answer is lost (`RobotLost`), the robot may or may not have done it: `reconnect`, look at `state`, or let
+    answer is lost (`RobotLost`), the robot may or may not have done it: `reconnect`, look at `state`, and let
     `repeat_unanswered` have the answer, without the robot doing it twice. To command something else gives it up.
 
     Args:

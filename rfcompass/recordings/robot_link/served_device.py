@@ -14,6 +14,7 @@ from rfcompass.recordings.robot_link.frames import (
     decode_frame,
     encode_frame,
     frame_id,
+    shown,
 )
 from rfcompass.recordings.robot_link.heard import heard_json
 from rfcompass.recordings.robot_link.values import (
@@ -123,7 +124,7 @@ class ServedDevice:
     def _done(self, command: Command) -> object:
         if command.name not in self._commands:
             known = ", ".join(self._commands)
-            raise RobotRefused(f"{self.name} cannot {command.name}; it can: {known}", reason="not_capable")
+            raise RobotRefused(f"{self.name} cannot {shown(command.name)}; it can: {known}", reason="not_capable")
         return self._commands[command.name](command.content)
 
     def _scan(self) -> JsonObject:

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Self
 
 from rfcompass.errors import RfCompassError, RobotBusy, RobotFormatError, RobotLinkError, RobotSchemaError
-from rfcompass.recordings.robot_link.frames import LONGEST_COMMAND_BYTES, SCHEMA
+from rfcompass.recordings.robot_link.frames import LONGEST_COMMAND_BYTES, READ_ONLY, SCHEMA, shown
 from rfcompass.recordings.robot_link.served_device import (
     Command,
     Device,
@@ -190,9 +190,11 @@ class RobotServer:
             RobotBusy: If somebody else is here, or the robot still does what somebody else wanted.
         """
         if command.name != "hello":
-            raise RobotFormatError(f"the first command is {command.name}, not hello", key="command")
+            raise RobotFormatError(f"the first command is {shown(command.name)}, not hello", key="command")
         if (schema := command.content.get("schema")) != SCHEMA:
-            raise RobotSchemaError(f"this robot speaks {SCHEMA}, not {schema!r}", schema=schema, expected=SCHEMA)
+            raise RobotSchemaError(
+                f"this robot speaks {SCHEMA}, not {shown(schema)}", schema=shown(schema), expected=SCHEMA
+            )
         token, held = text(command.content, "session"), self._session
         if held is not None and held.token == token:
             return held, True
@@ -218,15 +220,17 @@ class RobotServer:
                 await _send(writer, frame)
 
     async def _answered(self, session: _Session, line: bytes) -> bytes:
+        loop = asyncio.get_running_loop()
         try:
             command = read_command(line)
+            if command.name in READ_ONLY:
+                return await loop.run_in_executor(self._pool, self._served.answer, command)
             fresh = _is_fresh(session, command, digest := hashlib.sha256(line).digest())
         except RobotFormatError as error:
             number = error.numbers.get("id")
             return error_frame(number if isinstance(number, int) else None, error)
         if fresh:
             session.last_id, session.last_digest = command.number, digest
-            loop = asyncio.get_running_loop()
             session.last_reply = loop.run_in_executor(self._pool, self._served.answer, command)
         if session.last_reply is None:  # cannot be: a command that is not fresh has been answered
             raise RuntimeError("no reply is remembered")

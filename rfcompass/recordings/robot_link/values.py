@@ -8,7 +8,7 @@ import numpy as np
 from rfcompass.arrays import FloatArray, Shape
 from rfcompass.errors import InputError, RobotFormatError
 from rfcompass.geometry.pose2 import Pose2
-from rfcompass.recordings.robot_link.frames import JsonObject
+from rfcompass.recordings.robot_link.frames import JsonObject, shown
 from rfcompass.types.grasps import Failure, GraspOutcome
 from rfcompass.types.robot_state import RobotState
 
@@ -22,7 +22,7 @@ def item(content: object, key: str) -> Any:  # noqa: ANN401 - JSON
     if not isinstance(content, Mapping):
         raise RobotFormatError(f"a {type(content).__name__} stands where an object with {key} is due", key=key)
     if key not in content:
-        raise RobotFormatError(f"{key} is missing (found: {', '.join(map(str, content)) or 'nothing'})", key=key)
+        raise RobotFormatError(f"{key} is missing (found: {shown(list(content))})", key=key)
     return content[key]
 
 
@@ -33,7 +33,7 @@ def text(content: object, key: str) -> str:
         RobotFormatError: If it is missing or something else.
     """
     if not isinstance(value := item(content, key), str):
-        raise RobotFormatError(f"{key}: {value!r} is no text", key=key)
+        raise RobotFormatError(f"{key}: {shown(value)} is no text", key=key)
     return value
 
 
@@ -44,7 +44,7 @@ def number(value: object, key: str) -> float:
         RobotFormatError: If it is something else.
     """
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e300:
-        raise RobotFormatError(f"{key}: {value!r} is no finite number", key=key)
+        raise RobotFormatError(f"{key}: {shown(value)} is no finite number", key=key)
     return float(value)
 
 
@@ -55,7 +55,7 @@ def integer(value: object, key: str) -> int:
         RobotFormatError: If it is something else.
     """
     if isinstance(value, bool) or not isinstance(value, int) or not -(1 << 63) <= value < 1 << 63:
-        raise RobotFormatError(f"{key}: {value!r} is no integer of 64 bits", key=key)
+        raise RobotFormatError(f"{key}: {shown(value)} is no integer of 64 bits", key=key)
     return value
 
 
@@ -165,7 +165,7 @@ def outcome_of(content: object) -> GraspOutcome:
     """
     success, told = item(content, "success"), item(content, "failure")
     if not isinstance(success, bool):
-        raise RobotFormatError(f"success: {success!r} is neither true nor false", key="success")
+        raise RobotFormatError(f"success: {shown(success)} is neither true nor false", key="success")
     if told is None:
         return GraspOutcome(success)
     return GraspOutcome(success, Failure(text(told, "kind"), text(told, "message"), _evidence(told.get("numbers", []))))

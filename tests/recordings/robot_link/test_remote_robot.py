@@ -241,6 +241,8 @@ def test_a_slow_robot_is_lost_and_found_and_has_driven_once(served, device):
             robot.repeat_unanswered()
         device.go.set()
         robot.reconnect()
+        assert robot.state().base == GOAL
+        assert robot.unanswered == "move_base"
         assert robot.repeat_unanswered(10.0) == GOAL
         assert robot.unanswered is None
         with pytest.raises(InputError):
@@ -296,7 +298,7 @@ def test_ctrl_c_during_a_drive_leaves_no_answer_for_the_next_command(served, dev
             robot.state()
         robot.reconnect()
         assert robot.state().base == GOAL
-        assert robot.unanswered is None
+        assert robot.repeat_unanswered() == GOAL
 
 
 SERVE = """

@@ -17,6 +17,7 @@ from rfcompass.recordings.robot_link import RobotServer
 from rfcompass.recordings.robot_link import server as server_module
 from rfcompass.recordings.robot_link.frames import LONGEST_COMMAND_BYTES
 
+NESTED = {"id": json.loads("[" * 900 + "]" * 900)}
 DRIVE = {"command": "move_base", "goal": [1.0, 0.0, 0.0]}
 
 
@@ -65,6 +66,8 @@ def test_who_does_not_say_hello_first_is_sent_away_and_nothing_moves(served, dev
 
 def test_another_version_is_named_and_sent_away(served):
     with LineClient(served) as line:
+        assert kind(line.hello(schema=NESTED)) == "RobotSchemaError"
+    with LineClient(served) as line:
         told = line.hello(schema="rfcompass-robot-link/2")
         assert kind(told) == "RobotSchemaError"
         assert told["error"]["numbers"]["expected"] == "rfcompass-robot-link/1"
@@ -77,8 +80,9 @@ def test_another_version_is_named_and_sent_away(served):
      {"id": "1"}, {"id": 1, "command": "move_base"}, {"id": 1, "command": "move_base", "goal": [1, 0]},
      {"id": 1, "command": "move_base", "goal": ["1", 0, 0]}, {"id": 1, "command": "move_arm", "joints": [0] * 5},
      {"id": 1, "command": "move_arm", "joints": {"elbow": 1}}, {"id": 1, "command": "hello"},
-     {"id": 1, "command": "use_legs", "legs_m": []}, {"id": 1, "command": "fly"}],
-    ids=str,
+     {"id": 1, "command": "use_legs", "legs_m": []}, {"id": 1, "command": "fly"}, {"id": 1, "command": "fly" * 300_000},
+     NESTED, {"id": 1, "command": "move_base", "goal": NESTED["id"]}, {"id": 1, "command": NESTED["id"]}],
+    ids=lambda said: str(said)[:60],
 )  # fmt: skip
 def test_what_makes_no_sense_is_answered_with_an_error_and_the_next_command_is_done(client, device, said):
     assert kind(client.ask(said)) in ("RobotFormatError", "RobotRefused")
@@ -96,12 +100,12 @@ def test_garbage_never_crashes_it(served, garbage):
         for piece in garbage:
             line.say(piece.replace(b"\n", b"") + b"\n")
             assert "error" in line.hear()
-        assert "reply" in line.ask({"id": 1 + _last(line), "command": "state"})
+        assert "reply" in line.ask({"id": 1 + _last(line), **DRIVE})
 
 
 def _last(line):
     """The last number that was used: told by asking with number 0."""
-    return line.ask({"id": 0, "command": "state"})["error"]["numbers"].get("last_id", 0)
+    return line.ask({"id": 0, "command": "scan"})["error"]["numbers"].get("last_id", 0)
 
 
 def test_a_line_that_is_too_long_ends_the_connection_and_not_the_server(served, device):
@@ -142,6 +146,13 @@ def test_the_same_command_asked_twice_is_done_once_and_answered_alike(client, de
     assert len(device.moves) == 1
 
 
+def test_looking_at_the_state_does_not_make_it_forget(client, device):
+    once = client.ask({"id": 5, **DRIVE})
+    assert "reply" in client.ask({"id": 6, "command": "state"})
+    assert client.ask({"id": 5, **DRIVE}) == once
+    assert len(device.moves) == 1
+
+
 @pytest.mark.parametrize("number", [5, 4, 0])
 def test_a_number_is_used_once(client, device, number):
     client.ask({"id": 5, **DRIVE})
@@ -170,6 +181,16 @@ def test_a_client_that_comes_back_replaces_its_own_connection_that_hangs(served)
         assert "reply" in line.ask({"id": 1, "command": "state"})
         with suppress(ConnectionResetError):
             assert dead.hear() is None
+
+
+def test_what_a_client_left_behind_on_an_old_connection_is_void(served, device):
+    with LineClient(served) as old, LineClient(served) as line:
+        old.hello()
+        assert line.hello()["reply"]["resumed"] is True
+        with suppress(ConnectionError):
+            old.ask({"id": 1, **DRIVE})
+        assert "reply" in line.ask({"id": 2, "command": "scan"})
+    assert not device.moves
 
 
 def test_nobody_else_gets_a_robot_that_is_still_driving(served, device):
