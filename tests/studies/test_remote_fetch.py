@@ -107,14 +107,21 @@ def test_a_robot_that_is_lost_ends_the_loop_and_no_antenna_looks_from_elsewhere(
         def found(self):
             return None
 
-    with server, remote(server, task) as device:
+    class DriesUp(RemoteRobot):
+        def move_base(self, T_base_goal):
+            motion = super().move_base(T_base_goal)
+            server.stop()
+            return motion
+
+    layout = LEG.layout(task.tags, task.spacing)
+    with server, DriesUp(server.host, server.port, ROBOT, LEG, layout) as device:
         loop = a_loop(task, room, device)
         loop.antenna = Antenna()
         steps = loop.steps()
         next(steps)
-        server.stop()
-        with pytest.raises(RobotLost):
+        with pytest.raises(RobotLost) as caught:
             next(steps)
+        assert caught.value.numbers["command"] == "scan"
         with pytest.raises(RobotLinkError):
             next(a_loop(task, room, device).steps())
     assert loop.antenna.looked == 0

@@ -207,7 +207,7 @@ class RobotServer:
 
     async def _obey(self, session: _Session, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Answer command after command; a line that is too long cannot be skipped and ends it."""
-        while session.writer is writer:
+        while True:
             try:
                 line = await _line(reader)
             except RobotFormatError as error:

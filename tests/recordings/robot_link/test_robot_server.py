@@ -193,6 +193,20 @@ def test_what_a_client_left_behind_on_an_old_connection_is_void(served, device):
     assert not device.moves
 
 
+def test_what_waits_on_the_old_connection_of_a_client_who_came_back_is_never_done(served, device):
+    device.hold = True
+    with LineClient(served) as old, LineClient(served) as line:
+        old.hello()
+        old.say({"id": 1, **DRIVE})
+        assert device.driving.wait(10.0)
+        old.say({"id": 2, **DRIVE})
+        line.hello()
+        device.go.set()
+        for number in (3, 4, 5):  # by then the server has come to what waited
+            assert line.ask({"id": number, "command": "state"})["reply"]["base"] == [1.0, 0.0, 0.0]
+    assert len(device.moves) == 1
+
+
 def test_nobody_else_gets_a_robot_that_is_still_driving(served, device):
     device.hold = True
     with LineClient(served) as line:
@@ -208,6 +222,21 @@ def test_nobody_else_gets_a_robot_that_is_still_driving(served, device):
             if "reply" in other.hello(session="b"):
                 return
     pytest.fail("the robot has driven, and nobody gets it")
+
+
+def test_nobody_else_gets_a_robot_that_drives_for_a_client_who_came_back_and_left(served, device):
+    device.hold = True
+    with LineClient(served) as line:
+        line.hello()
+        line.say({"id": 1, **DRIVE})
+        assert device.driving.wait(10.0)
+        with LineClient(served) as back:
+            assert back.hello()["reply"]["resumed"] is True
+            back.socket.shutdown(socket.SHUT_WR)
+            assert back.hear() is None
+    with LineClient(served) as other:
+        told = other.hello(session="b")
+    assert told["error"]["numbers"]["reason"] == "working"
 
 
 def test_who_says_nothing_is_sent_away(device, monkeypatch):
