@@ -197,9 +197,8 @@ def test_what_waits_on_the_old_connection_of_a_client_who_came_back_is_never_don
     device.hold = True
     with LineClient(served) as old, LineClient(served) as line:
         old.hello()
-        old.say({"id": 1, **DRIVE})
+        old.say(b"".join(json.dumps({"id": number, **DRIVE}).encode() + b"\n" for number in (1, 2)))
         assert device.driving.wait(10.0)
-        old.say({"id": 2, **DRIVE})
         line.hello()
         device.go.set()
         for number in (3, 4, 5):  # by then the server has come to what waited
