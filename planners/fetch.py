@@ -16,7 +16,7 @@ import numpy as np
 from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NoAnswer, OutOfReach
+from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, MobileManipulator, ProximityMeter, Scanner
 from rfcompass.localization import in_reach_by_base_end, measure_proximities, next_goal
@@ -192,6 +192,8 @@ class Fetch:
         while True:
             try:
                 step = self._scanned(phase)
+            except RobotLinkError:
+                raise  # no tag was missed: the robot itself is not there, and nothing may move on its account
             except NoAnswer:
                 if self.antenna is None or not self.antenna.looks_from_elsewhere():
                     raise

@@ -109,6 +109,10 @@ class EstimateError(InputError):
     """A stored estimate cannot be read or used; carries `file` and, where known, the `key`."""
 
 
+class RobotFormatError(InputError):
+    """What travels over a robot link breaks its format; carries, where known, the `key` and the command's `id`."""
+
+
 class UnknownMeter(InputError):
     """No proximity meter of that name; carries `meter` and those that are `known`."""
 
@@ -179,6 +183,33 @@ class MalformedFrame(LinkLost):
 
 class ReaderRefused(ReaderError):
     """The reader refused a request, or lacks what we need; carries, where known, `status` and `request`."""
+
+
+class RobotLinkError(NoAnswer):
+    """A robot behind a link does not do what it was asked; carries `host` and `port`."""
+
+
+class RobotLost(RobotLinkError):
+    """There is no connection to the robot, or it broke, or no answer came in time.
+
+    Carries the `command` and `id` that are unanswered, if any: nobody knows yet whether the robot did it.
+    """
+
+
+class RobotFrameError(RobotLost):
+    """What the robot's side sent is no frame of the protocol, or too long; the connection was closed."""
+
+
+class RobotSchemaError(RobotLinkError):
+    """The other side speaks another protocol or version; carries its `schema` and the one `expected`."""
+
+
+class RobotRefused(RobotLinkError):
+    """The robot refused or failed a command; carries the `command` and the `reason`."""
+
+
+class RobotBusy(RobotRefused):
+    """The robot has another client, or still carries out what an earlier one wanted."""
 
 
 class NothingRecorded(NoAnswer):

@@ -21,6 +21,7 @@ from rfcompass.types.observation import Observation
 from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, VoxelGrid
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
+from rfcompass.types.robot_state import RobotState
 from rfcompass.types.stops import ProposedStop
 from rfcompass.types.volumes import SearchVolume
 
@@ -131,6 +132,15 @@ class MobileManipulator(Protocol):
 
     def close_hand(self) -> GraspOutcome:
         """Close the jaws and report whether something is held."""
+        ...
+
+
+@runtime_checkable
+class StateReporter(Protocol):
+    """A robot that says what it believes about itself."""
+
+    def state(self) -> RobotState:
+        """Return odometry and joint sensors as they are now."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""`rfcompass robots list | check | tag`."""
+"""`rfcompass robots list | check | tag | serve`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,8 +6,12 @@ from typing import Annotated
 import typer
 
 from rfcompass.cli.output import EXIT_BAD_INPUT, JsonFlag, answering, messages, print_json, print_table
+from rfcompass.cli.serve import serve
 
-robots_app = typer.Typer(help="Robots as data: list them, check a URDF, put tags on one.", no_args_is_help=True)
+robots_app = typer.Typer(
+    help="Robots as data: list them, check a URDF, put tags on one, serve a simulated one.", no_args_is_help=True
+)
+robots_app.command("serve")(serve)
 
 
 @robots_app.command("list")

@@ -23,6 +23,7 @@ from rfcompass.types.hands import Hand
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Part
 from rfcompass.types.reads import Scan
+from rfcompass.types.robot_state import RobotState
 from rfcompass.types.tags import TagLayout, TagPositions
 
 
@@ -107,6 +108,10 @@ class SimulatedRobot:
     def configuration(self) -> Configuration:
         """What the robot believes about itself: odometry and joint sensors."""
         return self.robot.configuration(self.joints, self._believed)
+
+    def state(self) -> RobotState:
+        """What the robot believes about itself, with how far the wheels may have slipped."""
+        return RobotState(self.joints, self._believed, self._covariance)
 
     @property
     def stops(self) -> tuple[RecordedStop, ...]:

@@ -99,6 +99,11 @@ class SimulatedFetch:
         self._loop = Fetch(task.robot, self._device, task.localizer, start, task.rules, task.meter, antenna)
 
     @property
+    def device(self) -> SimulatedRobot:
+        """The robot in its room: what a server puts behind a socket."""
+        return self._device
+
+    @property
     def stops(self) -> tuple[RecordedStop, ...]:
         """All stops so far, one whose localisation failed included."""
         return self._device.stops

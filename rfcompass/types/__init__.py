@@ -26,6 +26,7 @@ from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, Vo
 from rfcompass.types.placed_shape import PlacedShape
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
+from rfcompass.types.robot_state import RobotState
 from rfcompass.types.shapes import Box, Cylinder, Mesh, Sphere
 from rfcompass.types.tags import ROLES, TagLayout, TagPositions
 from rfcompass.types.volumes import SearchVolume
@@ -63,6 +64,7 @@ __all__ = [
     "ProximityMatrix",
     "ReachMap",
     "ReadTrace",
+    "RobotState",
     "RunEvent",
     "RunLog",
     "Scan",
