@@ -12,6 +12,7 @@ from planners.fetch import Fetch, FetchRules, FetchStep
 from planners.grasp import GraspPlanner
 from planners.near_antenna import NearAntenna
 from planners.pick_up import GraspTrial, PickUp
+from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError
 from rfcompass.evaluation.metrics import angle_error_rad, position_error_m
 from rfcompass.geometry.pose2 import Pose2
@@ -148,6 +149,16 @@ class SimulatedFetch:
     def stops(self) -> tuple[RecordedStop, ...]:
         """All stops so far, one whose localisation failed included."""
         return self._device.stops
+
+    @property
+    def true_part_m(self) -> FloatArray:
+        """True centre of the part in the room [m], shape (2,)."""
+        return self._device.true_part_in_room().translation_m
+
+    @property
+    def part_away_m(self) -> float:
+        """True distance of the part from the base's centre now [m]."""
+        return float(np.linalg.norm(self._device.true_pose_in_base().translation_m))
 
     def steps(self) -> Iterator[JudgedStep]:
         """Run the loop and judge every step.
