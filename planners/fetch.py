@@ -13,8 +13,10 @@ from typing import Protocol
 
 import numpy as np
 
+from planners.drive_around import Approach, DriveAround
 from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
+from planners.time_account import TimeAccount, TimeSpent
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError
 from rfcompass.geometry.pose2 import Pose2
@@ -42,6 +44,7 @@ class FetchRules:
 
     Attributes:
         reach_m: A part this far from the body's centre, or nearer, is in reach [m].
+        tags_tell_reach: Ask the tags as well; False where no tag is heard, as with motion capture.
         max_moves: Base moves before giving up.
         hand_point_m: Where the part's centre should lie for the final stops, base frame [m].
         hand_height_m: Height of the tool over the floor at the final stops [m].
@@ -50,10 +53,12 @@ class FetchRules:
         max_line_ups: Base moves for lining up.
         max_step_m: Longest single drive [m]; the paper's window holds 2 m of travel.
         max_antenna_moves: How often the antenna's carrier may come nearer at one stop, each time with another scan.
+        stand_off_m: A way around obstacles is planned up to this distance from the part [m], or half way if less.
         stops_anew: Hand stops after a failed try of the grasp, or after a drive to where it is in reach.
     """
 
     reach_m: float = 0.6
+    tags_tell_reach: bool = True
     max_moves: int = 12
     hand_point_m: tuple[float, float] = HAND_POINT_M
     hand_height_m: float = 0.10
@@ -62,6 +67,7 @@ class FetchRules:
     max_line_ups: int = 3
     max_step_m: float = 2.0
     max_antenna_moves: int = 2
+    stand_off_m: float = 0.5
     stops_anew: int = 3
 
 
@@ -76,6 +82,7 @@ class FetchStep:
         configuration: Believed pose and joints of the robot at this stop.
         estimate: Where the part is, in the base frame of this stop.
         in_reach: Whether the robot decided that the part is in reach.
+        spent: Time since the stop before.
     """
 
     phase: str
@@ -84,6 +91,7 @@ class FetchStep:
     configuration: Configuration
     estimate: PartEstimate
     in_reach: bool = False
+    spent: TimeSpent = field(default_factory=TimeSpent)
 
     @property
     def measured(self) -> Observation:
@@ -103,6 +111,7 @@ class Fetch:
         rules: When to do what.
         meter: Measures the proximities of each stop once, where the device brings none.
         antenna: Comes near the part; None if the antenna drives the same track always.
+        around: Plans drives around known obstacles; None to drive straight, as where no map is known.
     """
 
     robot: Robot
@@ -112,6 +121,8 @@ class Fetch:
     rules: FetchRules = field(default_factory=FetchRules)
     meter: ProximityMeter | None = None
     antenna: NearAntenna | None = None
+    around: DriveAround | None = None
+    _time: TimeAccount = field(init=False, default_factory=TimeAccount)
     _observations: list[Observation] = field(init=False, default_factory=list)
     _joints: FloatArray = field(init=False)
 
@@ -122,9 +133,8 @@ class Fetch:
             OutOfReach: If the part is not in reach after `max_moves` moves, or the hand cannot get over it.
             NoAnswer: If the meter or the localizer has no answer; what it said, with the stop's number.
         """
-        self._joints = self.start.joints
-        step = yield from self._navigate()
-        yield from self._line_up(step.estimate)
+        step = yield from self.navigate()
+        yield from self._line_up(step)
         for place in self.rules.hand_sweep[1:]:
             yield from self._hand_stop(*place)
 
@@ -148,23 +158,58 @@ class Fetch:
         """
         return self.antenna is not None and self.antenna.changes_sides(step.observation, step.estimate)
 
-    def _navigate(self) -> Generator[FetchStep, None, FetchStep]:
+    def navigate(self) -> Generator[FetchStep, None, FetchStep]:
+        """Do the first phase only: until the part is in reach.
+
+        Returns:
+            The stop at which it is.
+
+        Raises:
+            As for `steps`.
+        """
+        self._joints = self.start.joints
         for _ in range(self.rules.max_moves + 1):
             step = yield from self._stop("navigate")
             if step.in_reach:
                 return step
-            self.device.move_base(self._half_way(step.estimate))
+            self._approach(step)
         D = step.estimate.distance_m
         message = f"the part is {D:.2f} m away after {self.rules.max_moves} moves"
         raise OutOfReach(message, distance_m=D, moves=self.rules.max_moves)
 
-    def _line_up(self, estimate: PartEstimate) -> Iterator[FetchStep]:
+    def _approach(self, step: FetchStep) -> None:
+        """Drive D/2 towards the part; around obstacles, as far along the way to it."""
+        if self.around is None:
+            self.drive(step.observation, self._half_way(step.estimate))
+            return
+        D, rules = step.estimate.distance_m, self.rules
+        nearby = next_goal(step.estimate, max(0.5, 1.0 - rules.stand_off_m / D))
+        near_m = 0.95 * rules.reach_m  # the wheels slip, and the next estimate is another
+        self.drive(step.observation, nearby, Approach(step.estimate.centre_m, near_m, min(D / 2, rules.max_step_m)))
+
+    def drive(self, observation: Observation, T_base_goal: Pose2, approach: Approach | None = None) -> None:
+        """Drive to a pose in the base frame of the newest stop, or as near as known obstacles allow.
+
+        Args:
+            observation: That stop.
+            T_base_goal: Where to.
+            approach: The part, if the drive leads to it around obstacles.
+        """
+        if self.around is None:
+            self._time.drove([self.device.move_base(T_base_goal)])
+            return
+        stands = Pose2()
+        for pose in self.around.way(observation, self._joints, T_base_goal, approach):
+            moved = self.device.move_base(stands.inverse() @ pose)
+            stands = stands @ moved
+            self._time.drove([moved])
+
+    def _line_up(self, step: FetchStep) -> Iterator[FetchStep]:
         """Drive until the hand is over the part at the first place of the sweep, as far as one can tell."""
         for _ in range(self.rules.max_line_ups):
-            self.device.move_base(self.under_the_hand(estimate))
+            self.drive(step.observation, self.under_the_hand(step.estimate))
             step = yield from self._hand_stop(*self.rules.hand_sweep[0])
-            estimate = step.estimate
-            if np.linalg.norm(estimate.centre_m - self.rules.hand_point_m) <= self.rules.lined_up_m:
+            if np.linalg.norm(step.estimate.centre_m - self.rules.hand_point_m) <= self.rules.lined_up_m:
                 return
 
     def _hand_stop(self, dx_m: float, dy_m: float, yaw_rad: float) -> Generator[FetchStep, None, FetchStep]:
@@ -205,6 +250,7 @@ class Fetch:
 
     def _scanned(self, phase: str) -> FetchStep:
         observation = self.device.scan()
+        self._time.scanned(observation)
         try:
             matrix = measure_proximities(observation, self.meter)
             self._observations.append(replace(observation, proximity=matrix))
@@ -212,11 +258,14 @@ class Fetch:
         except NoAnswer as error:
             raise error.with_numbers(stop=observation.stop_id, phase=phase) from error
         configuration = self.robot.configuration(self._joints, observation.base_pose)
-        return FetchStep(phase, observation, matrix, configuration, estimate, self._in_reach(matrix, estimate))
+        in_reach = self._in_reach(matrix, estimate)
+        return FetchStep(phase, observation, matrix, configuration, estimate, in_reach, self._time.close())
 
     def _in_reach(self, matrix: ProximityMatrix, estimate: PartEstimate) -> bool:
         """Near by the estimate and by what the tags say: comparisons alone hardly see the distance of a far part."""
-        return estimate.distance_m <= self.rules.reach_m and in_reach_by_base_end(matrix, self.robot.layout)
+        if estimate.distance_m > self.rules.reach_m:
+            return False
+        return not self.rules.tags_tell_reach or in_reach_by_base_end(matrix, self.robot.layout)
 
     def _half_way(self, estimate: PartEstimate) -> Pose2:
         """Drive D/2 in the direction φ of the part and face it [Wang2013], section 4.2.B."""

@@ -133,6 +133,10 @@ class NotFocused(NoAnswer):
     """Phases do not fit what was asked of them; carries how well they fit and what was `needed`."""
 
 
+class NotInView(NoAnswer):
+    """Cameras see too few markers of a body; carries the `body`, the `markers` in view and how many are `needed`."""
+
+
 class TooFewReads(NoAnswer):
     """A tag was heard too rarely to locate or compare it; carries `epc`, `reads` and `needed`."""
 

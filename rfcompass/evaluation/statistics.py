@@ -1,7 +1,8 @@
 """Statistics of trials, each with an interval: nothing is reported without one.
 
 A *statistic* is named by a word: `"median"`, `"mean"`, `"sd"` for the standard deviation (that of the samples, not
-corrected), or `"p90"` for the 90 % quantile (any number after the p).
+corrected), `"p90"` for the 90 % quantile (any number after the p), or `"max10"` for the median of the largest of ten
+samples (any number after it), drawn from all with replacement: the quantile 2^(-1/10), since P(max <= x) = F(x)^10.
 """
 
 import re
@@ -137,10 +138,12 @@ def quantile_of(statistic: str) -> float | None:
         return None
     if statistic == "median":
         return 0.5
-    percent = re.fullmatch(r"p(\d{1,2})", statistic)
-    if percent is None:
-        raise InputError(f"no statistic {statistic!r}; known: median, mean, sd, p01 .. p99", statistic=statistic)
-    return int(percent[1]) / 100.0
+    if (percent := re.fullmatch(r"p(\d{1,2})", statistic)) is not None:
+        return int(percent[1]) / 100.0
+    if (largest_of := re.fullmatch(r"max([1-9]\d{0,2})", statistic)) is not None:
+        return float(0.5 ** (1.0 / int(largest_of[1])))
+    message = f"no statistic {statistic!r}; known: median, mean, sd, p01 .. p99, max1 .. max999"
+    raise InputError(message, statistic=statistic)
 
 
 def _samples(samples: FloatArray) -> FloatArray:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from rfcompass.simulation.inventory import Misses as Misses
     from rfcompass.simulation.inventory import simulate_inventory as simulate_inventory
     from rfcompass.simulation.inventory_averages import inventory_scan as inventory_scan
+    from rfcompass.simulation.motion_capture import CameraRig as CameraRig
+    from rfcompass.simulation.motion_capture import MotionCapture as MotionCapture
     from rfcompass.simulation.placed_tags import DUAL_DIPOLE as DUAL_DIPOLE
     from rfcompass.simulation.placed_tags import SQUIGGLE as SQUIGGLE
     from rfcompass.simulation.placed_tags import PlacedTags as PlacedTags
@@ -79,8 +81,10 @@ _HOME = {
     "backscatter": "echoes",
     "image_indices": "field",
     "one_way_field": "field",
+    "CameraRig": "motion_capture",
     "Gen2Slots": "gen2",
     "GraspTry": "grasp_oracle",
+    "MotionCapture": "motion_capture",
     "PartOracle": "grasp_oracle",
     "Push": "grasp_oracle",
     "AntennaRow": "inventory",
@@ -157,6 +161,7 @@ __all__ = [
     "AntennaRow",
     "AntennaTrack",
     "Backscatter",
+    "CameraRig",
     "Carrier",
     "FixedTransmitters",
     "Gen2Slots",
@@ -164,6 +169,7 @@ __all__ = [
     "Heard",
     "Inventory",
     "Misses",
+    "MotionCapture",
     "NoiseModel",
     "NoisyDistances",
     "PartOracle",

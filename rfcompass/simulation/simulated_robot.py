@@ -98,10 +98,12 @@ class SimulatedRobot:
     _true: Pose2 = field(init=False)
     _stops: list[RecordedStop] = field(init=False, default_factory=list)
     _tries: list[GraspTry] = field(init=False, default_factory=list)
+    _driven: list[Pose2] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         """Stand at the start; odometry begins at zero there."""
         self._true = self.room.T_room_base
+        self._driven.append(self._true)
         self._covariance = np.zeros((3, 3))
 
     @property
@@ -144,6 +146,7 @@ class SimulatedRobot:
         self._covariance = self._grown_covariance(motion)
         self._true = self._true @ motion @ Pose2(slip_m[0], slip_m[1], slip_rad)
         self._believed = self._believed @ motion
+        self._driven.append(self._true)
         return motion
 
     def move_arm(self, joints: FloatArray) -> None:
@@ -188,6 +191,14 @@ class SimulatedRobot:
     def true_pose_in_room(self) -> Pose2:
         """True base pose in the room: for evaluation only."""
         return self._true
+
+    def true_part_in_room(self) -> Pose2:
+        """True pose of the part in the room: for evaluation only."""
+        return self.room.T_room_part
+
+    def true_way_in_room(self) -> tuple[Pose2, ...]:
+        """True base poses at the start and after each drive, which are straight in between: for evaluation only."""
+        return tuple(self._driven)
 
     def true_state(self) -> RoomState:
         """Where every tag truly is now: for evaluation only."""

@@ -1,25 +1,41 @@
 """One simulated fetch from its seed: room, robot, radio, loop. What the command line runs and studies repeat."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
 from planners.antenna_track import NearTrack
+from planners.drive_around import DriveAround, KnownStart, MapPose, RadioPose
 from planners.fetch import Fetch, FetchRules, FetchStep
 from planners.grasp import GraspPlanner
 from planners.near_antenna import NearAntenna
 from planners.pick_up import GraspTrial, PickUp
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import InputError
 from rfcompass.evaluation.metrics import angle_error_rad, position_error_m
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, ProximityMeter
 from rfcompass.robots import Robot
-from rfcompass.simulation import NoisyDistances, PlaneRoom, RecordedStop, RoomSensor, SimulatedRobot, WheelSlip
+from rfcompass.simulation import (
+    CameraRig,
+    MotionCapture,
+    NoisyDistances,
+    PlaneRoom,
+    RecordedStop,
+    RoomSensor,
+    SimulatedRobot,
+    WheelSlip,
+)
+from rfcompass.simulation.motion_capture import NoReader
 from rfcompass.simulation.radio_sensing import RadioSensor
 from rfcompass.studies.radio_setup import AREA_M, DRIVE_AREA_M, RadioSetup, standing_m
 from rfcompass.studies.study import trial_rng
 from rfcompass.types.parts import Part
+from rfcompass.types.scene import Scene
 from rfcompass.types.tags import TagLayout
+from rfcompass.types.world import world_of_scene
 
 SCAN_POSTURE = "scan"
 
@@ -41,6 +57,9 @@ class FetchTask:
         sigma: Noise of the distances where there is no radio: standard deviation of log m.
         slip: How far the wheels slip.
         near: How the antenna's carrier comes near the part; None if it drives the radio's legs always.
+        map_pose: How the robot knows where it stands on a map of the room, to drive around what stands there:
+            `"radio"` (its own tags), `"start"` (told at the start, then odometry), `"cameras"`; None to drive straight.
+        cameras: Find the part by motion capture in place of the radio, whose room it then is.
     """
 
     robot: Robot
@@ -55,6 +74,15 @@ class FetchTask:
     sigma: float = 0.05
     slip: WheelSlip = field(default_factory=WheelSlip)
     near: NearTrack | None = None
+    map_pose: Literal["radio", "start", "cameras"] | None = None
+    cameras: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a map or cameras without a furnished room, and a pose from cameras that are not there."""
+        if self.radio is None and (self.cameras or self.map_pose is not None):
+            raise InputError("only the room of a radio is furnished and mapped", name="radio")
+        if self.map_pose == "cameras" and not self.cameras:
+            raise InputError("the pose on the map is to come from cameras, and there are none", name="map_pose")
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +114,8 @@ class SimulatedFetch:
         rng = trial_rng("fetch", task.seed)
         layout = task.part.layout(task.tags, task.spacing)
         room = PlaneRoom.draw(rng) if task.radio is None else PlaneRoom.draw(rng, area_m=AREA_M)
-        sensor = _sensor(task, room, layout, rng)
+        heard = _sensor(task, room, layout, rng)
+        sensor = NoReader() if task.cameras else heard
         start = task.robot.posture(SCAN_POSTURE)
         self._device = SimulatedRobot(
             task.robot, task.part, layout, room, rng, start.joints, sensor, task.slip,
@@ -96,7 +125,25 @@ class SimulatedFetch:
         if task.near is not None and isinstance(sensor, RadioSensor):
             antenna = NearAntenna(self._device, task.near, keep_out_m=standing_m(sensor.scene))
         self._task = task
-        self._loop = Fetch(task.robot, self._device, task.localizer, start, task.rules, task.meter, antenna)
+        self._scene = heard.scene.scene if isinstance(heard, RadioSensor) else None
+        localizer, rules, where = task.localizer, task.rules, self._known_pose()
+        if task.cameras:
+            localizer, rules = self._capture(), replace(rules, tags_tell_reach=False)
+        around = None
+        if where is not None and self._scene is not None:
+            world, searches = world_of_scene(self._scene), trial_rng("drive", task.seed)
+            around = DriveAround(task.robot, world, where, searches, DRIVE_AREA_M)
+        self._loop = Fetch(task.robot, self._device, localizer, start, rules, task.meter, antenna, around)
+
+    @property
+    def scene(self) -> Scene | None:
+        """The room and what stands in it; None where there is no radio."""
+        return self._scene
+
+    @property
+    def true_way(self) -> tuple[Pose2, ...]:
+        """True poses of the base in the room, at the start and after each straight drive."""
+        return self._device.true_way_in_room()
 
     @property
     def device(self) -> SimulatedRobot:
@@ -108,6 +155,16 @@ class SimulatedFetch:
         """All stops so far, one whose localisation failed included."""
         return self._device.stops
 
+    @property
+    def true_part_m(self) -> FloatArray:
+        """True centre of the part in the room [m], shape (2,)."""
+        return self._device.true_part_in_room().translation_m
+
+    @property
+    def part_away_m(self) -> float:
+        """True distance of the part from the base's centre now [m]."""
+        return float(np.linalg.norm(self._device.true_pose_in_base().translation_m))
+
     def steps(self) -> Iterator[JudgedStep]:
         """Run the loop and judge every step.
 
@@ -115,6 +172,11 @@ class SimulatedFetch:
             NoAnswer: If the loop ends without the part; the subclass says why.
         """
         for step in self._loop.steps():
+            yield self._judged(step)
+
+    def navigate(self) -> Iterator[JudgedStep]:
+        """Run the first phase only, until the robot takes the part to be in reach; raises as `steps` does."""
+        for step in self._loop.navigate():
             yield self._judged(step)
 
     def pick_up(self, found: JudgedStep) -> Iterator[JudgedStep | GraspTrial]:
@@ -131,6 +193,23 @@ class SimulatedFetch:
         planner = GraspPlanner(self._task.robot)
         for event in PickUp(self._loop, planner, self._task.part).events(found.step):
             yield self._judged(event) if isinstance(event, FetchStep) else event
+
+    def _known_pose(self) -> MapPose | None:
+        match self._task.map_pose:
+            case "radio":
+                return RadioPose()
+            case "start":
+                return KnownStart(self._device.true_pose_in_room())
+            case "cameras":
+                return self._capture()
+        return None
+
+    def _capture(self) -> MotionCapture:
+        if self._scene is None or self._scene.room is None:
+            raise InputError("cameras hang under the ceiling of a room, and there is none", name="cameras")
+        return MotionCapture(
+            CameraRig.under_ceiling(self._scene.room), self._scene, self._device, trial_rng("cameras", self._task.seed)
+        )
 
     def _judged(self, step: FetchStep) -> JudgedStep:
         truth, theta_rad = self._device.true_pose_in_base(), step.estimate.theta_rad

@@ -23,8 +23,8 @@ class Metric:
 
     Attributes:
         name: Column name, with the unit as suffix, for example `error_m`.
-        summaries: What the report shows: `"median"`, `"mean"`, `"sd"`, `"p90"`, `"share"`; none for a column that
-            is only kept.
+        summaries: What the report shows: `"median"`, `"mean"`, `"sd"`, `"p90"`, `"max10"`, `"share"`; none for a
+            column that is only kept.
         column: `float`, `bool` or `text`: one value for each trial. `samples`: any number of values for each trial,
             pooled in the report, with intervals that keep the samples of a trial together.
         title: Heading in the report; the name if empty.

@@ -145,6 +145,8 @@ def _facts(study: Study, facts: RunFacts) -> str:
 
 
 def _summary_text(summary: str) -> str:
+    if summary.startswith("max"):
+        return f"median of the largest of {summary[3:]}"
     return f"{int(summary[1:])} % quantile" if summary.startswith("p") else summary
 
 

@@ -111,3 +111,11 @@ def test_statistics_have_names():
     for name in ("mode", "p", "p100", "p-1", "P90"):
         with pytest.raises(InputError, match="known: median"):
             quantile_of(name)
+
+
+def test_the_largest_of_ten_is_as_often_above_its_median_as_below():
+    rng = np.random.default_rng(0)
+    x = rng.exponential(size=400)
+    largest = rng.choice(x, (20_000, 10)).max(axis=1)
+    assert (largest > sample_statistic(x, "max10")).mean() == pytest.approx(0.5, abs=0.02)
+    assert sample_statistic(x, "max1") == sample_statistic(x, "median")

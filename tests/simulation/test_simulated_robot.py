@@ -108,3 +108,16 @@ def test_an_area_too_small_for_the_distance_is_refused():
     with pytest.raises(InputError) as caught:
         PlaneRoom.draw(np.random.default_rng(0), (3.0, 6.0), ((0.0, 0.0), (1.0, 1.0)))
     assert caught.value.numbers["distance_m"] == 3.0
+
+
+def test_the_true_way_begins_at_the_start_and_has_a_pose_for_each_drive():
+    robot = YouBot()
+    leg = PartDatabase(":memory:").part("table_leg_3")
+    room = PlaneRoom(T_room_base=Pose2(1.0, 2.0, 0.3), T_room_part=Pose2(3.0, 2.0, 0.0))
+    device = SimulatedRobot(robot, leg, leg.layout(2), room, np.random.default_rng(0), robot.posture("scan").joints)
+    for _ in range(3):
+        device.move_base(Pose2(0.2, 0.0, 0.1))
+    way = device.true_way_in_room()
+    assert len(way) == 4
+    assert (way[0], way[-1]) == (room.T_room_base, device.true_pose_in_room())
+    assert device.true_part_in_room() == room.T_room_part

@@ -1,0 +1,220 @@
+"""Drives of the base around what stands on a map.
+
+Map frame: any in which somebody knows both the obstacles and, about, where the base stands; that of the antenna's track
+serves, since the robot's own tags are seen from it (`RadioPose`). The way is planned in it (`planners.navigation`), for
+the whole robot, with all bodies grown by a margin, and handed back in the present base frame.
+
+A goal that is not free is moved to the nearest place that is: half of the way to the part may end in a desk.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import Protocol, TypeAlias
+
+import numpy as np
+
+from planners.margins import grown
+from planners.motion_check import RESOLUTION_M, MotionChecker
+from planners.path_search import GOAL_BLOCKED, SearchRules
+from planners.short_drive import first_part, plan_short_drive
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import TagNeverHeard
+from rfcompass.geometry.pose2 import Pose2
+from rfcompass.localization.locate_base import locate_base
+from rfcompass.robots import CollisionModel, QuickCollisions, Robot
+from rfcompass.types.configuration import Configuration
+from rfcompass.types.grasps import Failure
+from rfcompass.types.observation import Observation
+from rfcompass.types.record import Record
+from rfcompass.types.world import World
+
+Path: TypeAlias = tuple[Configuration, ...]
+
+# Ours: what the base keeps from things on the map, which covers the errors of where it stands and of its wheels [m].
+CLEAR_M = 0.05
+# Ours: touches of a grown body may be missed if they are shallower than this share of the margin, which saves time.
+_RESOLUTION = 0.2
+# Ours: goals in place of one that is not free, by how far they lie from it [m], in how many directions, and turned by
+# how much [rad]; a radian counts as 0.3 m, as for the search. So many of them are tried at most.
+_RINGS_M = np.arange(0.1, 0.91, 0.1)
+_DIRECTIONS = 16
+_TURNS_RAD = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0])
+_M_PER_RAD = 0.3
+_TRIED_GOALS = 4
+RULES = SearchRules(most_checks=5000)
+# A corner of a grown box is this much further out than the margin.
+_AT_CORNERS = np.sqrt(3.0)
+
+
+class MapPose(Protocol):
+    """Knows where the base stands on the map."""
+
+    def base_pose(self, observation: Observation) -> Pose2 | None:
+        """Pose of the base in the map frame at a stop; None if that is not known."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class KnownStart:
+    """The pose on the map is known where odometry begins, as on a charging station; from there on odometry tells.
+
+    Attributes:
+        T_map_odom: Pose of the frame of odometry on the map.
+    """
+
+    T_map_odom: Pose2
+
+    def base_pose(self, observation: Observation) -> Pose2:
+        """Pose of the base in the map frame."""
+        return self.T_map_odom @ observation.base_pose
+
+
+@dataclass(slots=True)
+class RadioPose:
+    """The robot's own tags, seen from the antenna's track, tell the pose; where they do not, odometry from there."""
+
+    _T_map_odom: Pose2 | None = field(init=False, default=None)
+
+    def base_pose(self, observation: Observation) -> Pose2 | None:
+        """Pose of the base in the frame of the antenna's positions; None before the tags have first told it."""
+        try:
+            base = locate_base(observation)
+        except TagNeverHeard:
+            base = None
+        if base is not None and base.theta_rad is not None:
+            T_map_base = Pose2(float(base.centre_m[0]), float(base.centre_m[1]), base.theta_rad)
+            self._T_map_odom = T_map_base @ observation.base_pose.inverse()
+        return None if self._T_map_odom is None else self._T_map_odom @ observation.base_pose
+
+
+@dataclass(frozen=True, slots=True)
+class Approach(Record):
+    """A drive towards the part, of which the beginning is enough.
+
+    Attributes:
+        part_m: Where the part seems to be, base frame [m], shape (2,).
+        reach_m: A place this near to it, or nearer, is better than any further away, if the goal is not free [m].
+        at_most_m: Stop after so much of driving [m].
+    """
+
+    part_m: FloatArray
+    reach_m: float
+    at_most_m: float
+
+
+@dataclass(slots=True)
+class DriveAround:
+    """Plans the drives of a loop around known obstacles.
+
+    Args:
+        robot: A robot that drives.
+        world: What stands there, in the map frame.
+        where: Knows where the base stands on the map.
+        rng: Seeds the searches.
+        area_m: Lower and upper corner of where the base's centre may be, map frame [m]; None for everywhere.
+        clear_m: What to keep from things, where the robot is not nearer already [m].
+        rules: How hard to look for a way.
+    """
+
+    robot: Robot
+    world: World
+    where: MapPose
+    rng: np.random.Generator
+    area_m: tuple[tuple[float, float], tuple[float, float]] | None = None
+    clear_m: float = CLEAR_M
+    rules: SearchRules = RULES
+
+    def way(
+        self, observation: Observation, joints: FloatArray, T_base_goal: Pose2, approach: Approach | None = None
+    ) -> tuple[Pose2, ...]:
+        """Find where to drive straight to, one pose after the other.
+
+        Args:
+            observation: The newest stop.
+            joints: How the arm is held while driving, shape (Q,).
+            T_base_goal: Where to, in the present base frame.
+            approach: The part, if the drive leads to it.
+
+        Returns:
+            Poses in the present base frame, the last one the goal, or the nearest free place to it that a way leads
+            to; the goal alone if nobody knows where the base stands; none if no way leads anywhere near.
+        """
+        T_map_base = self.where.base_pose(observation)
+        if T_map_base is None:
+            T_map_base, path = Pose2(), tuple(self.robot.configuration(joints, T) for T in (Pose2(), T_base_goal))
+        else:
+            path = self._path(self.robot.configuration(joints, T_map_base), T_base_goal, approach)
+        if approach is not None and path:
+            path = first_part(path, approach.at_most_m)
+        T_base_map = T_map_base.inverse()
+        return tuple(T_base_map @ configuration.base for configuration in path[1:])
+
+    def _path(self, start: Configuration, T_base_goal: Pose2, approach: Approach | None) -> Path:
+        """Configurations on the map, from the start; empty if no way leads anywhere near the goal."""
+        checker, goal = self._checker(start), self._inside(start.base @ T_base_goal)
+        found = plan_short_drive(checker, start, goal, self.rng, self.rules)
+        if isinstance(found, Failure) and found.kind == GOAL_BLOCKED:
+            for near in self._free_goals(checker, start, goal, approach):
+                found = plan_short_drive(checker, start, near, self.rng, self.rules)
+                if not isinstance(found, Failure):
+                    break
+        return () if isinstance(found, Failure) else found
+
+    def _inside(self, goal: Pose2) -> Pose2:
+        """The goal, moved into the area."""
+        if self.area_m is None:
+            return goal
+        x_m, y_m = np.clip(goal.translation_m, *self.area_m).tolist()
+        return Pose2(x_m, y_m, goal.theta_rad)
+
+    def _free_goals(
+        self, checker: MotionChecker, start: Configuration, goal: Pose2, approach: Approach | None
+    ) -> Iterator[Pose2]:
+        """Free goals for one that is not: the nearest to it, but first those, near the robot, that reach the part."""
+        goals, count = _near(goal), 0
+        if approach is not None:
+            part_m, robot_m = start.base.apply(approach.part_m), start.base.translation_m
+            reaching = [near for near in goals if _apart_m(near, part_m) <= approach.reach_m]
+            reaching.sort(key=lambda near: round(_apart_m(near, robot_m), 9))
+            goals = [*reaching, *(near for near in goals if _apart_m(near, part_m) > approach.reach_m)]
+        for near in goals:
+            if self._inside(near) == near and not checker.checker.collides(replace(start, base=near)):
+                yield near
+                if (count := count + 1) == _TRIED_GOALS:
+                    return
+
+    def _checker(self, start: Configuration) -> MotionChecker:
+        """Checks in the grown world; what the robot is near already is not grown, what it overlaps may be touched.
+
+        It can only seem to overlap a thing: by the error of where it stands.
+        """
+        plain = QuickCollisions(CollisionModel(self.robot, self.world))
+        nearest_m = {body.name: np.inf for body in self.world.bodies}
+        for pair, distance_m in zip(plain.pair_names, plain.distances(start), strict=True):
+            for name in nearest_m.keys() & set(pair):
+                nearest_m[name] = min(nearest_m[name], float(distance_m))
+        bodies = [
+            replace(body, shape=grown(body.shape, self.clear_m))
+            if nearest_m[body.name] > _AT_CORNERS * self.clear_m
+            else body
+            for body in self.world.bodies
+        ]
+        allowed = [(row.first, row.second) for row in plain.touching(start)]
+        world = World(tuple(bodies), self.world.floor_m)
+        quick = QuickCollisions(CollisionModel(self.robot, world, allowed=allowed))
+        return MotionChecker(quick, resolution_m=_RESOLUTION * self.clear_m + RESOLUTION_M)
+
+
+def _apart_m(pose: Pose2, point_m: FloatArray) -> float:
+    return float(np.linalg.norm(pose.translation_m - point_m))
+
+
+def _near(goal: Pose2) -> list[Pose2]:
+    """Places around a goal, the nearest first."""
+    angles_rad = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    offsets = [(0.0, 0.0, turn) for turn in _TURNS_RAD[1:].tolist()]
+    for off_m, angle, turn in product(_RINGS_M.tolist(), angles_rad.tolist(), _TURNS_RAD.tolist()):
+        offsets.append((off_m * np.cos(angle), off_m * np.sin(angle), turn))
+    offsets.sort(key=lambda row: round(float(np.hypot(row[0], row[1]) + _M_PER_RAD * abs(row[2])), 9))
+    return [goal @ Pose2(float(x), float(y), float(turn)) for x, y, turn in offsets]
