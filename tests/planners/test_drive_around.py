@@ -11,10 +11,12 @@ from planners.motion_check import MotionChecker
 from planners.path_search import SearchRules
 from planners.short_drive import cost_m, first_part, plan_short_drive, shortened
 from planners.time_account import CARRIER_M_S, TimeAccount, drive_time_s, track_m
+from rfcompass.errors import TooFewReads
 from rfcompass.geometry import Pose2
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import CollisionModel, QuickCollisions, YouBot
 from rfcompass.simulation import NoisyDistances, PlaneRoom, SimulatedRobot, WheelSlip
+from rfcompass.simulation.motion_capture import NoReader
 from rfcompass.studies.radio_scan import scan_over_part
 from rfcompass.studies.radio_setup import RadioSetup
 from rfcompass.types import PartEstimate
@@ -255,5 +257,8 @@ def test_the_steps_hold_the_time_of_all_drives():
 
 def test_where_no_tag_is_heard_the_estimate_alone_tells_reach():
     device = a_device(0.55, 0.0)
-    (step,) = navigated(device, None, tags_tell_reach=False, reach_m=0.56)
+    device.sensor = NoReader()
+    (step,) = navigated(device, None, tags_tell_reach=False)
     assert step.in_reach
+    with pytest.raises(TooFewReads):
+        navigated(device, None)
