@@ -16,7 +16,7 @@ import numpy as np
 from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NoAnswer, OutOfReach
+from rfcompass.errors import NoAnswer, OutOfReach, TagNeverHeard
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, MobileManipulator, ProximityMeter, Scanner
 from rfcompass.localization import in_reach_by_base_end, measure_proximities, next_goal
@@ -205,6 +205,7 @@ class Fetch:
         observation = self.device.scan()
         try:
             matrix = measure_proximities(observation, self.meter)
+            _check_heard(matrix, observation)
             self._observations.append(replace(observation, proximity=matrix))
             estimate = self.localizer.estimate(self._observations)
         except NoAnswer as error:
@@ -228,3 +229,9 @@ class Fetch:
             turn = float((across + np.pi / 2.0) % np.pi - np.pi / 2.0)  # half a turn of the part is no difference
         x_m, y_m = estimate.centre_m - Pose2(0.0, 0.0, turn).apply(np.array(self.rules.hand_point_m))
         return Pose2(x_m, y_m, turn)
+
+
+def _check_heard(matrix: ProximityMatrix, observation: Observation) -> None:
+    """Nothing of the part: no localizer need be asked, and what to do is to listen from elsewhere."""
+    if np.isnan(matrix.m).all():
+        raise TagNeverHeard(f"no tag of {observation.part.body} was heard", epc=list(observation.part.epcs), heard=0)
