@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from planners.carry import RAISES_M, plan_carry
+from planners.carry import RAISES_M, Carry, plan_carry
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import DeliveryFailed
 from rfcompass.geometry.pose2 import Pose2
@@ -50,14 +50,14 @@ class PutDown(Record):
         goal: Where it was to go, in the odometry frame.
         T_odom_part: Where it was put.
         T_odom_base: Where the base stood then.
-        floor_m: How far over the floor it was carried [m].
+        carry: How it was carried.
         drives: Drives of the base on the way.
     """
 
     goal: Pose2
     T_odom_part: Pose2
     T_odom_base: Pose2
-    floor_m: float
+    carry: Carry
     drives: int
 
     @property
@@ -102,7 +102,7 @@ class Delivery:
         self._follow(self._stage(plan, CLOSE)[::-1])
         self._follow(plan.approach[::-1])
         self._follow(self._stage(plan, REACH)[::-1])
-        return PutDown(goal, base @ T_base_part, base, carry.floor_m, drives)
+        return PutDown(goal, base @ T_base_part, base, carry, drives)
 
     def check_reached(self, put: PutDown) -> None:
         """Refuse a delivery that ended short of its goal, for example at the bumper.

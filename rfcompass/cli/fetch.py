@@ -28,12 +28,14 @@ class Fetched:
         run: The simulated job, with all stops.
         steps: Every stop that led to an answer.
         trials: Every closing of the hand.
+        events: Both, in the order in which they happened.
         failure: Why it ended without what was asked for; None if it did not.
     """
 
     run: "SimulatedFetch"
     steps: "list[JudgedStep]" = field(default_factory=list)
     trials: "list[GraspTrial]" = field(default_factory=list)
+    events: "list[JudgedStep | GraspTrial]" = field(default_factory=list)
     failure: "NoAnswer | None" = None
 
     @property
@@ -189,9 +191,11 @@ def run_fetch(task: "FetchTask", *, grasp: bool, job: "SimulatedFetch | None" = 
         try:
             for judged in done.run.steps():
                 done.steps.append(judged)
+                done.events.append(judged)
                 status.update(f"{judged.step.phase}: stop {judged.step.observation.stop_id}")
                 console.print(_line(judged), markup=False)
             for event in done.run.pick_up(done.steps[-1]) if grasp else ():
+                done.events.append(event)
                 if isinstance(event, JudgedStep):
                     done.steps.append(event)
                     console.print(_line(event), markup=False)

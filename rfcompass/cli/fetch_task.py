@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rfcompass.studies.fetching import FetchTask
     from rfcompass.studies.task_fetching import JudgedPutDown, SimulatedTask
     from rfcompass.types.parts import Part
+    from rfcompass.viz.grasp_view import View
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,10 +114,33 @@ def _write(done: "Sequence[Delivered]", asked: Mapping[str, object], options: Fe
     from rfcompass.studies.versions import software_versions
 
     runs = {one.wanted.part.part_id: one.run for one in done if one.run is not None}
+    pictures = {}
+    if any(one.fetched.steps for one in done):
+        pictures["view.html"] = lambda path: _film(done).save(path)
     kept = plain({**asked, "parts": [one.wanted.part.part_id for one in done], "versions": software_versions()})
-    write_task(
-        TaskRun(kept, _actions_json(done), _events_json(done), runs), options.target, overwrite=options.overwrite
-    )
+    task_run = TaskRun(kept, _actions_json(done), _events_json(done), runs, pictures)
+    write_task(task_run, options.target, overwrite=options.overwrite)
+
+
+def _film(done: "Sequence[Delivered]") -> "View":
+    """All of the task in one page with a slider for the time."""
+    from rfcompass.studies.fetching import JudgedStep
+    from rfcompass.studies.task_film import FilmReel
+    from rfcompass.viz.task_film import draw_film
+
+    reel = FilmReel(done[0].fetched.run.robot)
+    for one in done:
+        if one.fetched.steps:
+            reel.begin(one.wanted.part, one.fetched.steps[0].step.observation.part.points_m)
+        for event in one.fetched.events:
+            if isinstance(event, JudgedStep):
+                reel.stop(event.step)
+            else:
+                reel.grasp(event)
+        if one.put is not None:
+            reel.put_down(one.fetched.trials[-1].plan, one.put.put)
+    said = [(one.wanted.part.part_id, "delivered" if one.delivered else "not delivered") for one in done]
+    return draw_film(reel.robot, reel.film, said)
 
 
 def deliver_pose(text: str) -> "Pose2":
@@ -190,7 +214,7 @@ def _said(wanted: "PartTask", fetched: "Fetched", put: "JudgedPutDown | None") -
     truly = f"(true error {100 * put.centre_error_m:.1f} cm)"
     if fetched.failure is not None:
         return f"deliver   {name}: {fetched.failure.message} {truly}"
-    return f"deliver   {name} was put down, carried {100 * put.put.floor_m:.0f} cm over the floor {truly}"
+    return f"deliver   {name} was put down, carried {100 * put.put.carry.floor_m:.0f} cm over the floor {truly}"
 
 
 def _actions_json(done: Sequence[Delivered]) -> list[dict[str, Any]]:
@@ -226,7 +250,7 @@ def _put_json(judged: "JudgedPutDown") -> dict[str, Any]:
     put = judged.put
     return {
         "goal": _pose(put.goal), "part": _pose(put.T_odom_part), "base": _pose(put.T_odom_base),
-        "short_m": put.short_m, "carried_over_floor_m": put.floor_m, "drives": put.drives,
+        "short_m": put.short_m, "carried_over_floor_m": put.carry.floor_m, "drives": put.drives,
         "simulated": {"part": _pose(judged.T_odom_part), "centre_error_m": judged.centre_error_m,
                       "theta_error_rad": judged.theta_error_rad, "drop_m": judged.drop_m},
     }  # fmt: skip

@@ -94,6 +94,11 @@ class SimulatedFetch:
         self._loop = Fetch(task.robot, self._device, task.localizer, start, task.rules, task.meter, antenna)
 
     @property
+    def robot(self) -> Robot:
+        """The robot that fetches."""
+        return self._task.robot
+
+    @property
     def stops(self) -> tuple[RecordedStop, ...]:
         """All stops for this part so far, one whose localisation failed included."""
         return self._device.stops[self._first_stop :]

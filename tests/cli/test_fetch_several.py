@@ -78,6 +78,12 @@ def test_every_part_leaves_a_run_folder_that_other_commands_read(run, task, fold
     assert again["centre_m"] == answer["centre_m"]
 
 
+def test_the_page_of_the_task_plays_it_from_part_to_part(task, folder):
+    page = (folder / "view.html").read_text(encoding="utf-8")
+    assert all(f">{leg}</a>" in page for leg in LEGS)  # the time can be set to where each part begins
+    assert "table_leg_4</td><td" in page
+
+
 def test_a_task_is_overwritten_when_asked_only(run, task, folder, tmp_path):
     ran = run("fetch", "--all-of", "LACK", "--seed", 3, "--out", folder, *QUIET)
     assert (ran.code, ran.json["failure"]["kind"]) == (2, "TraceError")
