@@ -12,6 +12,8 @@ from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_lin
 from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, failure_json, messages, plain, print_json
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from planners.fetch import FetchStep
     from planners.pick_up import GraspTrial
     from rfcompass.cli.fetch_task import FetchOptions
@@ -28,14 +30,12 @@ class Fetched:
         run: The simulated job, with all stops.
         steps: Every stop that led to an answer.
         trials: Every closing of the hand.
-        events: Both, in the order in which they happened.
         failure: Why it ended without what was asked for; None if it did not.
     """
 
     run: "SimulatedFetch"
     steps: "list[JudgedStep]" = field(default_factory=list)
     trials: "list[GraspTrial]" = field(default_factory=list)
-    events: "list[JudgedStep | GraspTrial]" = field(default_factory=list)
     failure: "NoAnswer | None" = None
 
     @property
@@ -125,11 +125,14 @@ def _fetch_one(task: "FetchTask", asked: dict[str, object], options: "FetchOptio
     """Fetch a single part, leave its run folder, print the answer."""
     import webbrowser
 
+    from rfcompass.cli.fetch_task import filming
     from rfcompass.recordings import check_target, write_run
 
     target = options.target
     check_target(target, overwrite=options.overwrite)
-    done = run_fetch(task, grasp=options.grasp and task.tags > 1)
+    with filming(task.robot, show=options.show) as reel:
+        reel.begin(task.part, task.part.layout(task.tags, task.spacing).points_m)
+        done = run_fetch(task, grasp=options.grasp and task.tags > 1, watch=reel.event if options.show else _nobody)
     if done.run.stops:
         write_run(as_run(task, done, asked), target, overwrite=options.overwrite)
         page = f"; look at {target / 'view.html'}" if done.steps else ""
@@ -181,8 +184,25 @@ def _check_radio(mode: Mode, proximity: str | None, scene: str | None, *, occlud
         raise InputError(f"--proximity {NOISY_DISTANCE} simulates no radio, so that {given} would say nothing")
 
 
-def run_fetch(task: "FetchTask", *, grasp: bool, job: "SimulatedFetch | None" = None) -> Fetched:
-    """Run the loop, in a room of its own if none is given; say what it does, stop by stop and try by try."""
+def _nobody(event: "JudgedStep | GraspTrial") -> None:
+    """Nobody watches."""
+
+
+def run_fetch(
+    task: "FetchTask",
+    *,
+    grasp: bool,
+    job: "SimulatedFetch | None" = None,
+    watch: "Callable[[JudgedStep | GraspTrial], None]" = _nobody,
+) -> Fetched:
+    """Run the loop and say what it does, stop by stop and try by try.
+
+    Args:
+        task: What to fetch.
+        grasp: Grasp the part as well.
+        job: The robot in a room that was furnished before; in a room of its own if None.
+        watch: Is told of everything as it happens.
+    """
     from rfcompass.errors import NoAnswer
     from rfcompass.studies.fetching import JudgedStep, SimulatedFetch
 
@@ -191,11 +211,11 @@ def run_fetch(task: "FetchTask", *, grasp: bool, job: "SimulatedFetch | None" = 
         try:
             for judged in done.run.steps():
                 done.steps.append(judged)
-                done.events.append(judged)
+                watch(judged)
                 status.update(f"{judged.step.phase}: stop {judged.step.observation.stop_id}")
                 console.print(_line(judged), markup=False)
             for event in done.run.pick_up(done.steps[-1]) if grasp else ():
-                done.events.append(event)
+                watch(event)
                 if isinstance(event, JudgedStep):
                     done.steps.append(event)
                     console.print(_line(event), markup=False)

@@ -1,56 +1,27 @@
 """`rfcompass fetch` for several parts: the planned actions, one part after the other, and the folder of the task."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from rfcompass.cli.output import EXIT_NO_ANSWER, failure_json, messages, plain, print_json
+from rfcompass.cli.fetch_task_json import Delivered, actions_json, answers_json, events_json, pose_json
+from rfcompass.cli.output import EXIT_NO_ANSWER, messages, plain, print_json
 from rfcompass.errors import InputError, NoAnswer
 
 if TYPE_CHECKING:
     from planners.task import Action, PartTask
     from rfcompass.cli.fetch import Fetched
     from rfcompass.geometry.pose2 import Pose2
-    from rfcompass.recordings import Run
+    from rfcompass.robots import Robot
     from rfcompass.studies.fetching import FetchTask
     from rfcompass.studies.task_fetching import JudgedPutDown, SimulatedTask
+    from rfcompass.studies.task_film import FilmReel
     from rfcompass.types.parts import Part
     from rfcompass.viz.grasp_view import View
-
-
-@dataclass(frozen=True, slots=True)
-class Delivered:
-    """What came of one part.
-
-    Attributes:
-        wanted: What was to be done with it.
-        fetched: The fetch.
-        put: How it was put down; None if it never was in the hand.
-        run: Its run folder; None if nothing was heard.
-    """
-
-    wanted: "PartTask"
-    fetched: "Fetched"
-    put: "JudgedPutDown | None" = None
-    run: "Run | None" = None
-
-    @property
-    def delivered(self) -> bool:
-        """True if the part is where it was to go, as the robot believes."""
-        return self.put is not None and self.fetched.failure is None
-
-    def has_done(self, verb: str) -> bool:
-        """True if an action came to its end."""
-        steps = self.fetched.steps
-        return {
-            "navigate": any(judged.step.in_reach for judged in steps),
-            "localise": (bool(steps) and self.fetched.located) or self.put is not None,
-            "grasp": self.fetched.held,
-            "deliver": self.delivered,
-        }[verb]
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,50 +68,53 @@ def fetch_and_deliver(
     check_task_target(options.target, overwrite=options.overwrite)
     first = row_at_the_start(parts) if options.deliver is None else deliver_pose(options.deliver)
     planned = plan_task(parts, task.tags, first, task.spacing)
-    done = _fetched(task, planned, options.silent, asked)
-    _write(done, {**asked, "deliver": _pose(first), "silent": options.silent}, options)
+    with filming(task.robot, show=options.show) as reel:
+        done = _fetched(task, planned, options.silent, asked, reel)
+    _write(reel, done, {**asked, "deliver": pose_json(first), "silent": options.silent}, options)
     count = sum(one.delivered for one in done)
     messages().print(f"{count} of {len(done)} parts delivered; folder of the task: {options.target}", markup=False)
     if options.show:
         webbrowser.open((options.target / "view.html").resolve().as_uri())
     if options.as_json:
-        print_json({"parts": _answers(done, options.target), "actions": _actions_json(done)})
+        print_json({"parts": answers_json(done, options.target), "actions": actions_json(done)})
     if count < len(done):
         raise typer.Exit(EXIT_NO_ANSWER)
 
 
-def _write(done: "Sequence[Delivered]", asked: Mapping[str, object], options: FetchOptions) -> None:
+def _write(reel: "FilmReel", done: "Sequence[Delivered]", asked: Mapping[str, object], options: FetchOptions) -> None:
     from rfcompass.recordings import TaskRun, write_task
     from rfcompass.studies.versions import software_versions
 
     runs = {one.wanted.part.part_id: one.run for one in done if one.run is not None}
     pictures = {}
-    if any(one.fetched.steps for one in done):
-        pictures["view.html"] = lambda path: _film(done).save(path)
+    if reel.film.times_s:
+        pictures["view.html"] = lambda path: _film(reel, done).save(path)
     kept = plain({**asked, "parts": [one.wanted.part.part_id for one in done], "versions": software_versions()})
-    task_run = TaskRun(kept, _actions_json(done), _events_json(done), runs, pictures)
+    task_run = TaskRun(kept, actions_json(done), events_json(done), runs, pictures)
     write_task(task_run, options.target, overwrite=options.overwrite)
 
 
-def _film(done: "Sequence[Delivered]") -> "View":
+def _film(reel: "FilmReel", done: "Sequence[Delivered]") -> "View":
     """All of the task in one page with a slider for the time."""
-    from rfcompass.studies.fetching import JudgedStep
-    from rfcompass.studies.task_film import FilmReel
     from rfcompass.viz.task_film import draw_film
 
-    reel = FilmReel(done[0].fetched.run.robot)
-    for one in done:
-        if one.fetched.steps:
-            reel.begin(one.wanted.part, one.fetched.steps[0].step.observation.part.points_m)
-        for event in one.fetched.events:
-            if isinstance(event, JudgedStep):
-                reel.stop(event.step)
-            else:
-                reel.grasp(event)
-        if one.put is not None:
-            reel.put_down(one.fetched.trials[-1].plan, one.put.put)
     said = [(one.wanted.part.part_id, "delivered" if one.delivered else "not delivered") for one in done]
     return draw_film(reel.robot, reel.film, said)
+
+
+@contextmanager
+def filming(robot: "Robot", *, show: bool) -> Iterator["FilmReel"]:
+    """Collect what happens; show it live in a browser while it happens, if that is wanted."""
+    from rfcompass.studies.fetching import SCAN_POSTURE
+    from rfcompass.studies.task_film import FilmReel
+    from rfcompass.viz.live_task import LiveTask
+
+    screen = LiveTask(robot, robot.posture(SCAN_POSTURE)) if show else None
+    try:
+        yield FilmReel(robot, screen)
+    finally:
+        if screen is not None:
+            screen.close()
 
 
 def deliver_pose(text: str) -> "Pose2":
@@ -169,7 +143,11 @@ def _check_silent(silent: Sequence[str], parts: "Sequence[Part]") -> None:
 
 
 def _fetched(
-    task: "FetchTask", planned: "Sequence[PartTask]", silent: Sequence[str], asked: Mapping[str, object]
+    task: "FetchTask",
+    planned: "Sequence[PartTask]",
+    silent: Sequence[str],
+    asked: Mapping[str, object],
+    reel: "FilmReel",
 ) -> list[Delivered]:
     """Print what is planned, then fetch and deliver each part; one that ends early leaves the others to be fetched.
 
@@ -178,6 +156,7 @@ def _fetched(
         planned: What to do with each part.
         silent: Names of parts whose tags are broken.
         asked: What was asked for, for the run folders.
+        reel: Collects what happens.
     """
     from rfcompass.studies.task_fetching import SimulatedTask
 
@@ -185,18 +164,21 @@ def _fetched(
     for action in _actions(planned):
         console.print(f"planned   {action}", markup=False)
     room = SimulatedTask(task, [wanted.part for wanted in planned[1:]], silent)
-    return [_one(room, wanted, asked) for wanted in planned]
+    return [_one(room, wanted, asked, reel) for wanted in planned]
 
 
-def _one(room: "SimulatedTask", wanted: "PartTask", asked: Mapping[str, object]) -> Delivered:
+def _one(room: "SimulatedTask", wanted: "PartTask", asked: Mapping[str, object], reel: "FilmReel") -> Delivered:
     from rfcompass.cli.fetch import as_run, run_fetch
 
     console, part = messages(), wanted.part
     task = room.task_for(part)
     console.print(f"part      {part.part_id}", markup=False)
-    fetched, put = run_fetch(task, grasp=True, job=room.send_for(part)), None
+    reel.begin(part, task.part.layout(task.tags, task.spacing).points_m)
+    fetched, put = run_fetch(task, grasp=True, job=room.send_for(part), watch=reel.event), None
     if fetched.held:
-        put = room.deliver(part, fetched.trials[-1].plan, wanted.goal)
+        plan = fetched.trials[-1].plan
+        put = room.deliver(part, plan, wanted.goal)
+        reel.put_down(plan, put.put)
         try:
             room.check_delivered(put)
         except NoAnswer as failure:
@@ -217,76 +199,5 @@ def _said(wanted: "PartTask", fetched: "Fetched", put: "JudgedPutDown | None") -
     return f"deliver   {name} was put down, carried {100 * put.put.carry.floor_m:.0f} cm over the floor {truly}"
 
 
-def _actions_json(done: Sequence[Delivered]) -> list[dict[str, Any]]:
-    """Every planned action, and whether it came to its end."""
-    return [
-        plain({"action": action.verb, "part": action.part_id, "tags": action.epcs,
-               "goal": None if action.goal is None else _pose(action.goal), "done": one.has_done(action.verb)})
-        for one in done for action in one.wanted.actions
-    ]  # fmt: skip
-
-
-def _answers(done: Sequence[Delivered], target: Path) -> list[dict[str, Any]]:
-    """One answer for each part: that of a single fetch, and where the part was put."""
-    return [plain(_answer(one, target)) for one in done]
-
-
-def _answer(one: Delivered, target: Path) -> dict[str, Any]:
-    from rfcompass.cli.fetch import fetch_answer
-
-    name, fetched = one.wanted.part.part_id, one.fetched
-    answer: dict[str, Any] = {"part": name, "delivered": one.delivered}
-    if fetched.steps and (fetched.located or one.put is not None):
-        last = fetched.steps[-1]
-        answer |= fetch_answer(fetched)
-        answer["simulated_error"] = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
-    elif fetched.failure is not None:
-        answer |= failure_json(fetched.failure)
-    answer |= {"run": str(target / name) if one.run is not None else None, "stops_made": len(fetched.steps)}
-    return answer if one.put is None else {**answer, "put_down": _put_json(one.put)}
-
-
-def _put_json(judged: "JudgedPutDown") -> dict[str, Any]:
-    put = judged.put
-    return {
-        "goal": _pose(put.goal), "part": _pose(put.T_odom_part), "base": _pose(put.T_odom_base),
-        "short_m": put.short_m, "carried_over_floor_m": put.carry.floor_m, "drives": put.drives,
-        "simulated": {"part": _pose(judged.T_odom_part), "centre_error_m": judged.centre_error_m,
-                      "theta_error_rad": judged.theta_error_rad, "drop_m": judged.drop_m},
-    }  # fmt: skip
-
-
-def _events_json(done: Sequence[Delivered]) -> list[dict[str, Any]]:
-    """What happened, in order; each localisation as the tuple (φ, D, θ) that a planner gets [Wang2013], section 3.2."""
-    return [event for one in done for event in _events(one)]
-
-
-def _events(one: Delivered) -> list[dict[str, Any]]:
-    from planners.task import RelativeLocation
-
-    name, events = one.wanted.part.part_id, list[dict[str, Any]]()
-    for judged in one.fetched.steps:
-        step, base = judged.step, judged.step.configuration.base
-        found = RelativeLocation.of(step.estimate)
-        location = {"phi_rad": found.phi_rad, "D_m": found.D_m, "theta_rad": found.theta_rad}
-        events.append({"action": step.phase, "part": name, "stop": step.observation.stop_id, "base": _pose(base),
-                       "location": location, "in_reach": step.in_reach})  # fmt: skip
-    for trial in one.fetched.trials:
-        failure = trial.outcome.failure
-        why = None if failure is None else failure.kind
-        events.append({"action": "grasp", "part": name, "success": trial.outcome.success, "failure": why})
-    if one.put is not None:
-        put = one.put.put
-        events.append({"action": "deliver", "part": name, "base": _pose(put.T_odom_base),
-                       "put_at": _pose(put.T_odom_part), "short_m": put.short_m})  # fmt: skip
-    if one.fetched.failure is not None:
-        events.append({"action": "end", "part": name, **failure_json(one.fetched.failure)})
-    return list(plain(events))
-
-
 def _actions(planned: "Sequence[PartTask]") -> "list[Action]":
     return [action for wanted in planned for action in wanted.actions]
-
-
-def _pose(pose: "Pose2") -> list[float]:
-    return [pose.x_m, pose.y_m, pose.theta_rad]

@@ -10,9 +10,11 @@ from planners.pick_up import GraspTrial
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry.pose2 import as_pose2
 from rfcompass.robots import Robot
+from rfcompass.studies.fetching import JudgedStep
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import GraspPlan
 from rfcompass.types.parts import Part
+from rfcompass.viz.live_task import LiveTask
 from rfcompass.viz.overlay import StageMark
 from rfcompass.viz.played_motion import homogeneous, play
 from rfcompass.viz.task_film import Film, FilmedPart, FilmedStop
@@ -27,9 +29,11 @@ class FilmReel:
 
     Args:
         robot: Who does the task.
+        screen: Shows it while it happens; None if nobody looks.
     """
 
     robot: Robot
+    screen: LiveTask | None = None
     _now_s: float = field(init=False, default=0.0)
     _times_s: list[float] = field(init=False, default_factory=list)
     _pictures: list[Configuration] = field(init=False, default_factory=list)
@@ -43,6 +47,13 @@ class FilmReel:
         seen = tuple(one for one in self._parts if one.poses)
         return Film(tuple(self._times_s), tuple(self._pictures), tuple(self._stops), seen, tuple(self._marks))
 
+    def event(self, event: JudgedStep | GraspTrial) -> None:
+        """Whatever a fetch or a pick-up tells of."""
+        if isinstance(event, GraspTrial):
+            self.grasp(event)
+        else:
+            self.stop(event.step)
+
     def begin(self, part: Part, tags_m: FloatArray) -> None:
         """The robot is sent for a part, with these tags in use [m], shape (K, 3)."""
         self._parts.append(FilmedPart(part, tags_m, (), ()))
@@ -54,6 +65,8 @@ class FilmReel:
         self._picture(step.configuration)
         self._end_stop()
         self._stops.append(FilmedStop(self._now_s, self._now_s + STOP_S, base, estimate))
+        if self.screen is not None:
+            self.screen.known(estimate, base)
         if estimate.theta_rad is not None:
             lies = base @ as_pose2([*estimate.centre_m, estimate.theta_rad])
             self._part_at(homogeneous(lies, self._parts[-1].part.resting_height_m))
@@ -87,6 +100,8 @@ class FilmReel:
     def _picture(self, at: Configuration) -> None:
         self._times_s.append(self._now_s)
         self._pictures.append(at)
+        if self.screen is not None:
+            self.screen.robot_at(at)
 
     def _end_stop(self) -> None:
         """What was known at the last stop is shown until now."""
@@ -97,3 +112,5 @@ class FilmReel:
         one = self._parts[-1]
         moved = replace(one, times_s=(*one.times_s, self._now_s), poses=(*one.poses, T_odom_part))
         self._parts[-1] = moved
+        if self.screen is not None:
+            self.screen.part_at(one.part, one.tags_m, T_odom_part)

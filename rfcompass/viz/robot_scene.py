@@ -70,6 +70,16 @@ class RobotScene:
             ways[f"robot/{link}"] = [stop[first].T_world_shape for stop in stops]
         self._move(ways, when_s)
 
+    def move_robot(self, shapes_now: Sequence[PlacedShape]) -> None:
+        """Put a robot that was drawn where its shapes are now, placed in the world."""
+        for link, indices in _by_link(shapes_now).items():
+            self._root[f"robot/{link}"].set_transform(shapes_now[indices[0]].T_world_shape)
+
+    def clear(self, *nodes: str) -> None:
+        """Take away all that was drawn below some nodes."""
+        for node in nodes:
+            self._root[node].delete()
+
     def draw_part(self, part: Part, T_world_part: Pose2, tags_m: FloatArray, name: str = "part") -> None:
         """Draw a part as it is believed to lie, with its tags.
 

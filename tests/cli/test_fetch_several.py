@@ -84,6 +84,20 @@ def test_the_page_of_the_task_plays_it_from_part_to_part(task, folder):
     assert "table_leg_4</td><td" in page
 
 
+def test_shown_live_a_task_leaves_the_same_folder(run, tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda address, *_, **__: opened.append(address))
+    monkeypatch.setattr("rfcompass.viz.live_task.time.sleep", lambda seconds: None)
+    folders = [tmp_path / name for name in ("shown", "unseen")]
+    for folder, show in zip(folders, (("--show",), ()), strict=True):
+        ran = run("fetch", LEGS[2], "--deliver", "0.9,0.3,0.5", "--seed", 3, *show, "--out", folder, *QUIET)
+        assert ran.code == 0, ran.err
+    assert opened[0].startswith("http://127.0.0.1")
+    assert opened[-1] == (folders[0] / "view.html").resolve().as_uri()
+    for name in ("task.json", "events.jsonl", "view.html"):
+        assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes()
+
+
 def test_a_task_is_overwritten_when_asked_only(run, task, folder, tmp_path):
     ran = run("fetch", "--all-of", "LACK", "--seed", 3, "--out", folder, *QUIET)
     assert (ran.code, ran.json["failure"]["kind"]) == (2, "TraceError")
