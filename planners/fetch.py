@@ -18,7 +18,7 @@ from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
 from planners.time_account import TimeAccount, TimeSpent
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError
+from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError, TagNeverHeard
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, MobileManipulator, ProximityMeter, Scanner
 from rfcompass.localization import in_reach_by_base_end, measure_proximities, next_goal
@@ -253,6 +253,7 @@ class Fetch:
         self._time.scanned(observation)
         try:
             matrix = measure_proximities(observation, self.meter)
+            _check_heard(matrix, observation)
             self._observations.append(replace(observation, proximity=matrix))
             estimate = self.localizer.estimate(self._observations)
         except NoAnswer as error:
@@ -279,3 +280,9 @@ class Fetch:
             turn = float((across + np.pi / 2.0) % np.pi - np.pi / 2.0)  # half a turn of the part is no difference
         x_m, y_m = estimate.centre_m - Pose2(0.0, 0.0, turn).apply(np.array(self.rules.hand_point_m))
         return Pose2(x_m, y_m, turn)
+
+
+def _check_heard(matrix: ProximityMatrix, observation: Observation) -> None:
+    """Nothing of the part: no localizer need be asked, and what to do is to listen from elsewhere."""
+    if np.isnan(matrix.m).all():
+        raise TagNeverHeard(f"no tag of {observation.part.body} was heard", epc=list(observation.part.epcs), heard=0)

@@ -161,6 +161,10 @@ class GraspFailed(NoAnswer):
     """The part is not in the hand; carries the `reason`, and how many `tries` were made."""
 
 
+class DeliveryFailed(NoAnswer):
+    """A part was put down short of where it was to go; carries `short_m`."""
+
+
 class NoRoomForTags(NoAnswer):
     """There are not as many places for tags as asked for; carries how many were `placed`."""
 

@@ -145,6 +145,15 @@ class StateReporter(Protocol):
 
 
 @runtime_checkable
+class HandOpener(Protocol):
+    """A robot that can let go of what it holds."""
+
+    def open_hand(self) -> None:
+        """Let go: what was held stays where it is, or falls."""
+        ...
+
+
+@runtime_checkable
 class StopProposer(Protocol):
     """Offers the stops a robot can take next: reachable, free of collision, with their cost."""
 

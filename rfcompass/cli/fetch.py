@@ -12,8 +12,11 @@ from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_lin
 from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, failure_json, messages, plain, print_json
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from planners.fetch import FetchStep
     from planners.pick_up import GraspTrial
+    from rfcompass.cli.fetch_task import FetchOptions
     from rfcompass.errors import NoAnswer
     from rfcompass.recordings import Run
     from rfcompass.studies.fetching import FetchTask, JudgedStep, SimulatedFetch
@@ -54,7 +57,9 @@ class Mode(StrEnum):
 
 
 def fetch(
-    part: Annotated[str, typer.Argument(help="Part to fetch, by its name in the part database.")],
+    parts: Annotated[
+        list[str] | None, typer.Argument(metavar="PART...", help="Parts to fetch, by their names in the part database.")
+    ] = None,
     mode: Annotated[Mode, typer.Option(help="The paper's rig and estimator end to end, or our best.")] = Mode.BEST,
     seed: Annotated[int, typer.Option(min=0, help="Start poses and all noise follow from it.")] = 0,
     tags: Annotated[int, typer.Option(min=1, help="Number of tags on the part.")] = 4,
@@ -68,53 +73,81 @@ def fetch(
     grasp: Annotated[bool, typer.Option(help="Grasp the part; a single tag tells no orientation to grasp by.")] = True,
     robot: Annotated[str, typer.Option(help="Robot that has a posture 'scan', by name or file.")] = "youbot",
     sigma: Annotated[float, typer.Option(min=0.0, help="Without radio: standard deviation of log m.")] = 0.05,
+    all_of: Annotated[str | None, typer.Option(help="Fetch all parts of a product, such as LACK.")] = None,
+    deliver: Annotated[
+        str | None,
+        typer.Option(help="x,y,theta: put the first part down there, the others beside it; odometry frame, m and rad."),
+    ] = None,
+    silent: Annotated[list[str] | None, typer.Option(help="A part to fetch whose tags are broken.")] = None,
     out: Annotated[Path | None, typer.Option(help="Run folder; by default runs/fetch-PART-SEED.")] = None,
     overwrite: Annotated[bool, typer.Option(help="Replace a run that is already there.")] = False,
     show: Annotated[bool, typer.Option(help="Open the run's page in a browser.")] = False,
     database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
     as_json: JsonFlag = False,
 ) -> None:
-    """Navigate to a part in a simulated room, localise it with the hand over it, grasp it; leaves a run folder."""
-    import webbrowser
+    """Navigate to a part in a simulated room, localise it with the hand over it, grasp it; leaves a run folder.
 
-    from rfcompass.recordings import PartDatabase, check_target, write_run
+    Several parts, or all of a product, are fetched one after the other and delivered.
+    """
+    from planners.task import parts_of_task
+    from rfcompass.cli.fetch_task import FetchOptions, fetch_and_deliver
+    from rfcompass.recordings import PartDatabase
     from rfcompass.robots import load_robot
     from rfcompass.studies import fetch_modes
     from rfcompass.studies.fetching import FetchTask
 
     with answering(as_json):
         _check_radio(mode, proximity, scene, occluded=occluded, others=others)
-        target = out or Path("runs") / f"fetch-{part}-{seed}"
-        check_target(target, overwrite=overwrite)
-        with PartDatabase(database) as parts:
-            wanted = parts.part(part)
-            near = tuple(other for other in parts.parts() if other.part_id != part and others)
+        with PartDatabase(database) as known:
+            wanted = parts_of_task(known, parts or (), all_of)
+            fetched = {one.part_id for one in wanted}
+            near = tuple(other for other in known.parts() if other.part_id not in fetched and others)
+        part, several = wanted[0].part_id, len(wanted) > 1 or all_of is not None or bool(deliver or silent)
+        target = out or Path("runs") / f"fetch-{all_of or '-'.join(one.part_id for one in wanted)}-{seed}"
         how = fetch_modes.fetch_mode(
             fetch_modes.Mode(mode), proximity, None if estimator is None else localizer(estimator)
         ).in_scene(scene="room_nlos" if occluded else scene or "room_los", others=near)  # fmt: skip
         task = FetchTask(
-            robot=load_robot(robot), part=wanted, tags=tags, localizer=how.localizer, seed=seed,
+            robot=load_robot(robot), part=wanted[0], tags=tags, localizer=how.localizer, seed=seed,
             radio=how.radio, meter=how.meter, near=how.near, sigma=sigma,
         )  # fmt: skip
         asked: dict[str, object] = {"command": "fetch", "part": part, "mode": mode.value, "seed": seed, "tags": tags,
                  "estimator": estimator, "proximity": proximity, "scene": scene, "occluded": occluded,
                  "others": others, "grasp": grasp, "robot": robot, "sigma": sigma}  # fmt: skip
-        done = _run(task, grasp=grasp and tags > 1)
-        if done.run.stops:
-            write_run(_as_run(task, done, asked), target, overwrite=overwrite)
-            page = f"; look at {target / 'view.html'}" if done.steps else ""
-            messages().print(f"run folder: {target}{page}", markup=False)
-        if done.failure is not None and not done.located:
-            raise done.failure
-        last = done.steps[-1]
-        messages().print(_outcome(part, done), markup=False)
-        if show:
-            webbrowser.open((target / "view.html").resolve().as_uri())
-        if as_json:
-            error = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
-            print_json({**_answer(done), "run": str(target), "stops_made": len(done.steps), "simulated_error": error})
-        if done.failure is not None:
-            raise typer.Exit(EXIT_NO_ANSWER)
+        options = FetchOptions(deliver, tuple(silent or ()), target, grasp, overwrite, show, as_json)
+        if several:
+            fetch_and_deliver(task, wanted, {**asked, "part": None}, options)
+        else:
+            _fetch_one(task, asked, options)
+
+
+def _fetch_one(task: "FetchTask", asked: dict[str, object], options: "FetchOptions") -> None:
+    """Fetch a single part, leave its run folder, print the answer."""
+    import webbrowser
+
+    from rfcompass.cli.fetch_task import filming
+    from rfcompass.recordings import check_target, write_run
+
+    target = options.target
+    check_target(target, overwrite=options.overwrite)
+    with filming(task.robot, show=options.show) as reel:
+        reel.begin(task.part, task.part.layout(task.tags, task.spacing).points_m)
+        done = run_fetch(task, grasp=options.grasp and task.tags > 1, watch=reel.event if options.show else _nobody)
+    if done.run.stops:
+        write_run(as_run(task, done, asked), target, overwrite=options.overwrite)
+        page = f"; look at {target / 'view.html'}" if done.steps else ""
+        messages().print(f"run folder: {target}{page}", markup=False)
+    if done.failure is not None and not done.located:
+        raise done.failure
+    last = done.steps[-1]
+    messages().print(_outcome(task.part.part_id, done), markup=False)
+    if options.show:
+        webbrowser.open((target / "view.html").resolve().as_uri())
+    if options.as_json:
+        error = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
+        print_json({**fetch_answer(done), "run": str(target), "stops_made": len(done.steps), "simulated_error": error})
+    if done.failure is not None:
+        raise typer.Exit(EXIT_NO_ANSWER)
 
 
 def _outcome(part: str, done: Fetched) -> str:
@@ -126,7 +159,7 @@ def _outcome(part: str, done: Fetched) -> str:
     return f"found {part}: {where}"
 
 
-def _answer(done: Fetched) -> dict[str, Any]:
+def fetch_answer(done: Fetched) -> dict[str, Any]:
     """The answer of `locate` from the last stop, and what came of the grasp."""
     tries = [
         {"success_probability": trial.plan.success_probability, "success": trial.outcome.success,
@@ -151,19 +184,38 @@ def _check_radio(mode: Mode, proximity: str | None, scene: str | None, *, occlud
         raise InputError(f"--proximity {NOISY_DISTANCE} simulates no radio, so that {given} would say nothing")
 
 
-def _run(task: "FetchTask", *, grasp: bool) -> Fetched:
-    """Run the loop and say what it does, stop by stop and try by try."""
+def _nobody(event: "JudgedStep | GraspTrial") -> None:
+    """Nobody watches."""
+
+
+def run_fetch(
+    task: "FetchTask",
+    *,
+    grasp: bool,
+    job: "SimulatedFetch | None" = None,
+    watch: "Callable[[JudgedStep | GraspTrial], None]" = _nobody,
+) -> Fetched:
+    """Run the loop and say what it does, stop by stop and try by try.
+
+    Args:
+        task: What to fetch.
+        grasp: Grasp the part as well.
+        job: The robot in a room that was furnished before; in a room of its own if None.
+        watch: Is told of everything as it happens.
+    """
     from rfcompass.errors import NoAnswer
     from rfcompass.studies.fetching import JudgedStep, SimulatedFetch
 
-    console, done = messages(), Fetched(SimulatedFetch(task))
+    console, done = messages(), Fetched(job or SimulatedFetch(task))
     with console.status(f"fetching {task.part.part_id}") as status:
         try:
             for judged in done.run.steps():
                 done.steps.append(judged)
+                watch(judged)
                 status.update(f"{judged.step.phase}: stop {judged.step.observation.stop_id}")
                 console.print(_line(judged), markup=False)
             for event in done.run.pick_up(done.steps[-1]) if grasp else ():
+                watch(event)
                 if isinstance(event, JudgedStep):
                     done.steps.append(event)
                     console.print(_line(event), markup=False)
@@ -193,7 +245,8 @@ def _line(judged: "JudgedStep") -> str:
     return f"{step.phase:<9} stop {step.observation.stop_id:>2}  {one_line(step.estimate)}  {error}{reach}"
 
 
-def _as_run(task: "FetchTask", done: Fetched, asked: dict[str, object]) -> "Run":
+def as_run(task: "FetchTask", done: Fetched, asked: dict[str, object]) -> "Run":
+    """All that a fetch leaves behind."""
     import numpy as np
 
     from rfcompass.recordings import Run
@@ -218,7 +271,7 @@ def _as_run(task: "FetchTask", done: Fetched, asked: dict[str, object]) -> "Run"
         asked={**asked, "versions": software_versions()},
         events=events,
         trace=fetch_trace(task.robot, done.run.stops),
-        estimate=plain(failure_json(done.failure) if done.failure and not done.located else _answer(done)),
+        estimate=plain(failure_json(done.failure) if done.failure and not done.located else fetch_answer(done)),
         samples=steps[-1].step.estimate.samples if steps else np.zeros((0, 3)),
         pictures=pictures if steps else {},
     )

@@ -16,6 +16,7 @@ from rfcompass.recordings.spool_trace import import_spool
 from rfcompass.recordings.stops import Stops
 from rfcompass.recordings.stored_estimate import read_estimate
 from rfcompass.recordings.stored_plan import read_plan
+from rfcompass.recordings.task_folder import TaskRun, check_task_target, is_task, write_task
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
 from rfcompass.recordings.trace_quality import StrayTag, TagQuality, TraceQuality
@@ -36,11 +37,13 @@ __all__ = [
     "Stops",
     "StrayTag",
     "TagQuality",
+    "TaskRun",
     "Trace",
     "TraceMeta",
     "TraceQuality",
     "TraceTag",
     "check_target",
+    "check_task_target",
     "import_adarf",
     "import_itemtest",
     "import_llrpkit",
@@ -49,6 +52,7 @@ __all__ = [
     "import_spool",
     "importer",
     "is_run",
+    "is_task",
     "open_trace",
     "part_from_mesh",
     "read_estimate",
@@ -58,5 +62,6 @@ __all__ = [
     "record",
     "write_parts",
     "write_run",
+    "write_task",
     "write_trace",
 ]

@@ -81,7 +81,7 @@ def write_run(run: Run, path: str | Path, *, overwrite: bool = False) -> None:
     check_target(target, overwrite=overwrite)
     try:
         with atomic_folder(target) as folder:
-            _write(run, folder)
+            write_run_files(run, folder)
     except OSError as cause:
         raise TraceError(f"{target}: cannot be written: {cause}", path=str(target)) from cause
 
@@ -99,7 +99,8 @@ def check_target(path: str | Path, *, overwrite: bool) -> None:
     raise TraceError(f"{target}: holds {what}", path=str(target))
 
 
-def _write(run: Run, folder: Path) -> None:
+def write_run_files(run: Run, folder: Path) -> None:
+    """Write what belongs into a run folder, into one that is there and empty."""
     (folder / RUN_FILE).write_text(_json({"schema": RUN_SCHEMA, **run.asked}, indent=2), encoding="utf-8")
     (folder / EVENTS_FILE).write_text("".join(map(_json, run.events)), encoding="utf-8")
     (folder / ESTIMATE_FILE).write_text(_json(run.estimate, indent=2), encoding="utf-8")

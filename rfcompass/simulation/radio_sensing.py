@@ -29,6 +29,9 @@ FAR_L_M = (*FAR_LINE_M, ((0.7, 1.0, 0.3), (0.7, 4.0, 0.3)))
 BODY_POINTS_M = ((0.10, 0.0, 0.08), (-0.05, 0.0, 0.08), (-0.24, 0.0, 0.06), (0.20, 0.0, 0.35))
 BODY_CROSS_SECTION_M2 = (0.05, 0.05, 0.05, 0.03)
 
+# Gain of the antenna of a broken tag [dB]; ours: far too little to wake a chip.
+_BROKEN_DB = -200.0
+
 Leg: TypeAlias = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
@@ -129,6 +132,29 @@ class RadioSensor:
         """Return the sensor with other legs of the antenna's track [m], shape (L, 2, 3)."""
         return replace(self, carrier=replace(self.carrier, legs_m=legs_m))
 
+    def seeking(self, epcs: Sequence[str], state: RoomState) -> "RadioSensor":
+        """Return the sensor that listens to another part; the present one becomes one of the others.
+
+        Args:
+            epcs: The other part's tags in use.
+            state: Where everything is now: the present part stays there.
+
+        Raises:
+            InputError: If no other part has these tags.
+        """
+        wanted = next((tags for tags in self.other_tags if tags.epcs == tuple(epcs)), None)
+        if wanted is None:
+            raise InputError(f"no other part in the room has the tags {', '.join(epcs)}", name="epcs")
+        left = self.part_tags.moved(state.targets.points_m, state.target_dipoles)
+        others = tuple(left if tags is wanted else tags for tags in self.other_tags)
+        return replace(self, part_tags=wanted, other_tags=others)
+
+    def silenced(self, epcs: Sequence[str]) -> "RadioSensor":
+        """Return the sensor in a room where these tags are broken: no power makes them answer."""
+        gone = set(epcs)
+        others = tuple(_broken(tags, gone) for tags in self.other_tags)
+        return replace(self, part_tags=_broken(self.part_tags, gone), other_tags=others)
+
     def hear(self, state: RoomState, rng: np.random.Generator) -> Heard:
         """Drive the track once and take the inventory."""
         tags = (
@@ -139,6 +165,11 @@ class RadioSensor:
         scene = self.scene.with_scatterers(_carried(self.body, state.T_room_base))
         track, nominal = self.carrier.driven(rng), self.carrier.track()
         return Heard(inventory=simulate_inventory(scene, self.rig, track, tags, rng, nominal_track=nominal))
+
+
+def _broken(tags: PlacedTags, epcs: set[str]) -> PlacedTags:
+    gain_db = np.where([epc in epcs for epc in tags.epcs], _BROKEN_DB, tags.gain_db)
+    return replace(tags, gain_db=gain_db)
 
 
 def _carried(body: Scatterers, T_room_base: Pose2) -> Scatterers:

@@ -61,9 +61,11 @@ class NoisyDistances:
 
     Attributes:
         sigma: Standard deviation of log m (ours); 0.05 makes about 2 % of all comparisons wrong.
+        silent: EPCs of broken tags: their m is NaN.
     """
 
     sigma: float = 0.05
+    silent: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         """Refuse noise that cannot be."""
@@ -77,6 +79,7 @@ class NoisyDistances:
         anchor_m = anchor_m + anchor_m.T
         np.fill_diagonal(anchor_m, np.nan)
         m = self._noisy(targets.points_m, anchors.points_m, rng)
+        m[[epc in self.silent for epc in targets.epcs]] = np.nan
         return Heard(proximity=ProximityMatrix(targets.epcs, anchors.epcs, m, anchor_m, "noisy_distance"))
 
     def _noisy(self, a_m: FloatArray, b_m: FloatArray, rng: np.random.Generator) -> FloatArray:

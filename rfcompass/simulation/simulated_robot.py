@@ -13,7 +13,7 @@ from rfcompass.robots.robot import Robot
 from rfcompass.simulation.grasp_oracle import GraspTry, PartOracle, Push
 from rfcompass.simulation.inventory import Inventory
 from rfcompass.simulation.inventory_averages import inventory_scan
-from rfcompass.simulation.plane_room import PlaneRoom
+from rfcompass.simulation.plane_room import LyingPart, PlaneRoom
 from rfcompass.simulation.radio_sensing import RadioSensor
 from rfcompass.simulation.room_sensing import NoisyDistances, RoomSensor, RoomState
 from rfcompass.types.configuration import Configuration
@@ -63,7 +63,10 @@ class RecordedStop:
 
 @dataclass(slots=True)
 class SimulatedRobot:
-    """A robot in a room (`Scanner`, `MobileManipulator`), and who carries the antenna there (`AntennaCarrier`).
+    """A robot in a room (`Scanner`, `MobileManipulator`, `HandOpener`), and who carries the antenna (`AntennaCarrier`).
+
+    It is after one part at a time: scans list that part's tags, and the hand closes on it. `seek` sends it for another
+    one of the room. While a part is held it counts as where it was grasped: nothing scans before it is put down.
 
     Args:
         robot: The robot's description and kinematics.
@@ -99,6 +102,8 @@ class SimulatedRobot:
     _stops: list[RecordedStop] = field(init=False, default_factory=list)
     _tries: list[GraspTry] = field(init=False, default_factory=list)
     _driven: list[Pose2] = field(init=False, default_factory=list)
+    _T_hand_held: FloatArray | None = field(init=False, default=None)
+    _drop_m: float | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         """Stand at the start; odometry begins at zero there."""
@@ -178,11 +183,49 @@ class SimulatedRobot:
         outcome = oracle.judge(T_room_hand, opening_at(self.robot, hand, configuration))
         self.room = replace(self.room, T_room_part=oracle.T_world_part)
         self._tries += oracle.tries
+        if outcome.success:
+            T_room_part = homogeneous(self.room.T_room_part)
+            T_room_part[2, 3] = self.part.resting_height_m
+            self._T_hand_held = np.linalg.inv(T_room_hand) @ T_room_part
         return outcome
+
+    def open_hand(self) -> None:
+        """Let go of the part: it falls onto the floor under where the hand holds it, and keeps its heading."""
+        if self._T_hand_held is None:
+            return
+        T_room_hand = homogeneous(self._true) @ self.robot.tool_pose(self.configuration).homogeneous
+        T = T_room_hand @ self._T_hand_held
+        end = Pose2(float(T[0, 3]), float(T[1, 3]), float(np.arctan2(T[1, 0], T[0, 0])))
+        self._drop_m = float(T[2, 3]) - self.part.resting_height_m
+        self._T_hand_held, self.room = None, replace(self.room, T_room_part=end)
+
+    def seek(self, part_id: str) -> None:
+        """Turn to another part of the room; the present one stays where it lies.
+
+        Raises:
+            InputError: If the room has no such part, or the hand still holds one.
+        """
+        if part_id == self.part.part_id:
+            return
+        if self._T_hand_held is not None:
+            raise InputError(f"{self.part.part_id} is still in the hand", name="part_id", part=part_id)
+        wanted = next((one for one in self.room.others if one.part.part_id == part_id), None)
+        if wanted is None:
+            raise InputError(f"no part {part_id} lies in the room", name="part_id", part=part_id)
+        if isinstance(self.sensor, RadioSensor):
+            self.sensor = self.sensor.seeking(wanted.layout.epcs, self.true_state())
+        left = LyingPart(self.part, self.layout, self.room.T_room_part)
+        others = tuple(left if one is wanted else one for one in self.room.others)
+        self.room = replace(self.room, T_room_part=wanted.T_room_part, others=others)
+        self.part, self.layout = wanted.part, wanted.layout
 
     def true_tries(self) -> tuple[GraspTry, ...]:
         """Every closing of the hand as it truly was: for evaluation only."""
         return tuple(self._tries)
+
+    def true_drop_m(self) -> float | None:
+        """How far the part fell when the hand last let go of one [m]; None before that: for evaluation only."""
+        return self._drop_m
 
     def true_pose_in_base(self) -> Pose2:
         """Pose of the part in the true base frame: for evaluation only."""

@@ -1,6 +1,6 @@
 """One simulated fetch from its seed: room, robot, radio, loop. What the command line runs and studies repeat."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -107,25 +107,22 @@ class SimulatedFetch:
 
     Args:
         task: What to fetch.
+        device: The robot in a room that was furnished before; it is after the task's part. None for a room of the
+            task's own.
     """
 
-    def __init__(self, task: FetchTask) -> None:
+    def __init__(self, task: FetchTask, device: SimulatedRobot | None = None) -> None:
         """Furnish the room and put the robot into it."""
-        rng = trial_rng("fetch", task.seed)
-        layout = task.part.layout(task.tags, task.spacing)
-        room = PlaneRoom.draw(rng) if task.radio is None else PlaneRoom.draw(rng, area_m=AREA_M)
-        heard = _sensor(task, room, layout, rng)
-        sensor = NoReader() if task.cameras else heard
-        start = task.robot.posture(SCAN_POSTURE)
-        self._device = SimulatedRobot(
-            task.robot, task.part, layout, room, rng, start.joints, sensor, task.slip,
-            None if task.radio is None else DRIVE_AREA_M,
-        )  # fmt: skip
-        antenna = None
-        if task.near is not None and isinstance(sensor, RadioSensor):
-            antenna = NearAntenna(self._device, task.near, keep_out_m=standing_m(sensor.scene))
         self._task = task
+        self._device = furnish(task) if device is None else device
+        self._first_stop = len(self._device.stops)
+        heard = self._device.sensor
         self._scene = heard.scene.scene if isinstance(heard, RadioSensor) else None
+        if task.cameras:
+            self._device.sensor = NoReader()
+        antenna = None
+        if task.near is not None and isinstance(heard, RadioSensor) and not task.cameras:
+            antenna = NearAntenna(self._device, task.near, keep_out_m=standing_m(heard.scene))
         localizer, rules, where = task.localizer, task.rules, self._known_pose()
         if task.cameras:
             localizer, rules = self._capture(), replace(rules, tags_tell_reach=False)
@@ -133,6 +130,7 @@ class SimulatedFetch:
         if where is not None and self._scene is not None:
             world, searches = world_of_scene(self._scene), trial_rng("drive", task.seed)
             around = DriveAround(task.robot, world, where, searches, DRIVE_AREA_M)
+        start = task.robot.posture(SCAN_POSTURE)
         self._loop = Fetch(task.robot, self._device, localizer, start, rules, task.meter, antenna, around)
 
     @property
@@ -151,9 +149,14 @@ class SimulatedFetch:
         return self._device
 
     @property
+    def robot(self) -> Robot:
+        """The robot that fetches."""
+        return self._task.robot
+
+    @property
     def stops(self) -> tuple[RecordedStop, ...]:
-        """All stops so far, one whose localisation failed included."""
-        return self._device.stops
+        """All stops for this part so far, one whose localisation failed included."""
+        return self._device.stops[self._first_stop :]
 
     @property
     def true_part_m(self) -> FloatArray:
@@ -219,6 +222,28 @@ class SimulatedFetch:
             None if theta_rad is None else float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad))),
             self._device.true_pose_in_room(),
         )
+
+
+def furnish(task: FetchTask, others: Sequence[Part] = ()) -> SimulatedRobot:
+    """Furnish a room from the task's seed and put the robot into it.
+
+    Args:
+        task: What to fetch first.
+        others: More parts that the robot will be sent for, with as many tags each.
+    """
+    rng = trial_rng("fetch", task.seed)
+    layout = task.part.layout(task.tags, task.spacing)
+    more = [(part, part.layout(task.tags, task.spacing)) for part in others]
+    if task.radio is None:
+        room = PlaneRoom.draw(rng).with_others(more, rng)
+    else:
+        room = PlaneRoom.draw(rng, area_m=AREA_M).with_others(more, rng, AREA_M)
+    sensor = _sensor(task, room, layout, rng)
+    start = task.robot.posture(SCAN_POSTURE)
+    return SimulatedRobot(
+        task.robot, task.part, layout, room, rng, start.joints, sensor, task.slip,
+        None if task.radio is None else DRIVE_AREA_M,
+    )  # fmt: skip
 
 
 def _sensor(task: FetchTask, room: PlaneRoom, layout: TagLayout, rng: np.random.Generator) -> RoomSensor:

@@ -32,6 +32,7 @@ from rfcompass.types.tags import TagLayout
 AREA_M = ((1.3, 1.3), (5.5, 4.5))
 DRIVE_AREA_M = ((0.6, 0.6), (5.4, 4.4))
 ROBOT_CLEAR_M = 0.6
+OTHER_CLEAR_M = 0.4  # about further parts that are to be fetched: room for a hand, and less than about the first
 TRACK_CLEAR_M = 0.3
 PART_CLEAR_M = 0.2  # half a leg
 LYING_HEIGHT_M = 0.1
@@ -78,7 +79,10 @@ class RadioSetup:
             scene=scene,
             robot_tags=_unplaced(robot, self.tag_model, rng),
             part_tags=_unplaced(part, self.part_tag_model, rng),
-            other_tags=self._others(recipe, room, [*_clear_of(carrier), *_standing(scene)], rng),
+            other_tags=(
+                *(self._lying(one.part, one.layout, one.T_room_part, rng) for one in room.others),
+                *self._others(recipe, room, [*_clear_of(carrier), *_standing(scene)], rng),
+            ),
             rig=self.rig,
             carrier=carrier,
         )
@@ -87,6 +91,7 @@ class RadioSetup:
         self, recipe: SceneRecipe, room: PlaneRoom, carrier: Carrier, rng: np.random.Generator
     ) -> RadioScene:
         clear = [*_clear_of(carrier), (room.T_room_base.x_m, room.T_room_base.y_m, ROBOT_CLEAR_M)]
+        clear += [(one.T_room_part.x_m, one.T_room_part.y_m, OTHER_CLEAR_M) for one in room.others]
         part_m, reader_m = room.T_room_part.translation_m, carrier.track().positions_m[:, :2].mean(axis=0)
         return recipe.draw(rng, part_m=part_m.tolist(), reader_m=reader_m.tolist(), keep_clear=clear)
 
@@ -95,18 +100,19 @@ class RadioSetup:
     ) -> tuple[PlacedTags, ...]:
         if not self.others:
             return ()
-        own = [(pose.x_m, pose.y_m, ROBOT_CLEAR_M) for pose in (room.T_room_base, room.T_room_part)]
+        poses = (room.T_room_base, room.T_room_part, *(one.T_room_part for one in room.others))
+        own = [(pose.x_m, pose.y_m, ROBOT_CLEAR_M) for pose in poses]
         spots = recipe.clear_spots(len(self.others), PART_CLEAR_M, [*taken, *own], rng)
         headings = rng.uniform(-np.pi, np.pi, len(spots))
         return tuple(
-            self._lying(part, Pose2(x, y, heading), rng)
+            self._lying(part, part.tags, Pose2(x, y, heading), rng)
             for part, (x, y), heading in zip(self.others, spots, headings.tolist(), strict=True)
         )
 
-    def _lying(self, part: Part, pose: Pose2, rng: np.random.Generator) -> PlacedTags:
-        lifted = part.tags.points_m + np.array([0.0, 0.0, part.resting_height_m])
-        turned: FloatArray = Pose2(0.0, 0.0, pose.theta_rad).apply(part.tags.dipoles)
-        return PlacedTags.draw(part.tags.epcs, pose.apply(lifted), turned, self.part_tag_model, rng)
+    def _lying(self, part: Part, tags: TagLayout, pose: Pose2, rng: np.random.Generator) -> PlacedTags:
+        lifted = tags.points_m + np.array([0.0, 0.0, part.resting_height_m])
+        turned: FloatArray = Pose2(0.0, 0.0, pose.theta_rad).apply(tags.dipoles)
+        return PlacedTags.draw(tags.epcs, pose.apply(lifted), turned, self.part_tag_model, rng)
 
 
 def _clear_of(carrier: Carrier) -> list[Disc]:

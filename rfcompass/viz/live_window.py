@@ -63,3 +63,15 @@ def show_live(window: RecordingWindow, *, open_browser: bool = True) -> LiveView
     if open_browser:
         visualizer.open()
     return LiveView(visualizer.url(), visualizer)
+
+
+def follow(window: RecordingWindow, *, open_browser: bool = True) -> LiveView:
+    """Show a window live, and everything that is drawn into it from now on.
+
+    Args:
+        window: What to show.
+        open_browser: Open the page.
+    """
+    live = show_live(window, open_browser=open_browser)
+    window.forward = lambda command: live.visualizer.window.send(_Kept(command))
+    return live

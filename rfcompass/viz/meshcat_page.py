@@ -7,7 +7,7 @@ page, so that equal scenes give equal bytes.
 
 import base64
 import html
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -48,6 +48,7 @@ class RecordingWindow:
     def __init__(self) -> None:
         """Start with an empty scene."""
         self.commands: list[dict[str, Any]] = []
+        self.forward: Callable[[dict[str, Any]], object] | None = None  # who else gets every command from now on
         self._names: dict[str, str] = {}
 
     def send(self, command: Command) -> None:
@@ -57,6 +58,8 @@ class RecordingWindow:
             self.commands = [kept for kept in self.commands if kept["type"] != "set_animation"]
         self._number(data)
         self.commands.append(self._renamed(data))
+        if self.forward is not None:
+            self.forward(self.commands[-1])
 
     def visualizer(self) -> "meshcat.Visualizer":
         """Return a meshcat visualizer that draws into this window."""

@@ -70,25 +70,56 @@ class RobotScene:
             ways[f"robot/{link}"] = [stop[first].T_world_shape for stop in stops]
         self._move(ways, when_s)
 
-    def draw_part(self, part: Part, T_world_part: Pose2, tags_m: FloatArray) -> None:
+    def move_robot(self, shapes_now: Sequence[PlacedShape]) -> None:
+        """Put a robot that was drawn where its shapes are now, placed in the world."""
+        for link, indices in _by_link(shapes_now).items():
+            self._root[f"robot/{link}"].set_transform(shapes_now[indices[0]].T_world_shape)
+
+    def clear(self, *nodes: str) -> None:
+        """Take away all that was drawn below some nodes."""
+        for node in nodes:
+            self._root[node].delete()
+
+    def draw_part(self, part: Part, T_world_part: Pose2, tags_m: FloatArray, name: str = "part") -> None:
         """Draw a part as it is believed to lie, with its tags.
 
         Args:
             part: What to draw.
             T_world_part: Pose on the floor.
             tags_m: Tags in the part frame [m], shape (K, 3).
+            name: Path of its node, where there are several parts.
         """
-        node = self._root["part"]
+        node = self._root[name]
         node["body"].set_object(solid_geometry(part.shape), material(colours.PART, 0.6))
         node["body"].set_transform(T_solid_geometry(part.shape))
         for k, tag_m in enumerate(tags_m):
             node[f"tag_{k}"].set_object(shapes.Box([0.044, 0.004, 0.044]), material(0xFFFFFF))
             node[f"tag_{k}"].set_transform(_shifted(tag_m))
-        self.move_part([_lifted(T_world_part, part.resting_height_m)])
+        self.move_part([_lifted(T_world_part, part.resting_height_m)], name=name)
 
-    def move_part(self, poses: Sequence[FloatArray], times_s: Sequence[float] = (0.0,)) -> None:
-        """Put the part at the last of its poses in the world, shape (4, 4) each, and play its way there."""
-        self._move({"part": poses}, times_s)
+    def move_part(self, poses: Sequence[FloatArray], times_s: Sequence[float] = (0.0,), name: str = "part") -> None:
+        """Put a part at the last of its poses in the world, shape (4, 4) each, and play its way there."""
+        self._move({name: poses}, times_s)
+
+    def show_between(self, node: str, start_s: float, end_s: float | None = None) -> None:
+        """Show a node of the scene in a part of the animation only; where that ends it stays as it was at the end.
+
+        Args:
+            node: Path of the node.
+            start_s: When it appears [s].
+            end_s: When it disappears [s]; never if None.
+
+        The animation is told of it by `play`, once for all nodes.
+        """
+        changes = [(0.0, start_s <= 0.0), (start_s, True)] + ([] if end_s is None else [(end_s, False)])
+        for time_s, shown in changes[start_s <= 0.0 :]:
+            with self._animation.at_frame(self._root, _FRAMES_PER_SECOND * float(time_s)) as frame:
+                frame[node].set_property("visible", "boolean", shown)
+        self._root[node].set_property("visible", end_s is None)
+
+    def play(self) -> None:
+        """Let the page play all motions and appearances that were drawn so far."""
+        self._root.set_animation(self._animation, play=True, repetitions=1)
 
     def draw_world(self, world: World) -> None:
         """Draw every body that stands still, under its name; the floor is the grid."""
@@ -166,7 +197,7 @@ class RobotScene:
                 for node in moving:
                     frame[node].set_transform(ways[node][index])
         if moving:
-            self._root.set_animation(self._animation, play=True, repetitions=1)
+            self.play()
 
 
 def _by_link(stop: Sequence[PlacedShape]) -> dict[str, list[int]]:
