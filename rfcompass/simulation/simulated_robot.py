@@ -279,7 +279,8 @@ class SimulatedRobot:
         x, y = self._believed.rotation @ motion.translation_m
         J = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]])
         step = np.diag([self.slip.position_m**2, self.slip.position_m**2, self.slip.heading_rad**2])
-        return np.asarray(J @ self._covariance @ J.T + step)
+        grown = J @ self._covariance @ J.T + step
+        return np.asarray((grown + grown.T) / 2.0)  # symmetric to the last bit, as a trace keeps it
 
 
 def _turned(pose: Pose2, directions: FloatArray) -> FloatArray:
