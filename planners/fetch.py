@@ -253,7 +253,8 @@ class Fetch:
         self._time.scanned(observation)
         try:
             matrix = measure_proximities(observation, self.meter)
-            _check_heard(matrix, observation)
+            if self.rules.tags_tell_reach:  # where they do not, something else than tags guides the robot
+                _check_heard(matrix, observation)
             self._observations.append(replace(observation, proximity=matrix))
             estimate = self.localizer.estimate(self._observations)
         except NoAnswer as error:

@@ -6,6 +6,10 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+# Before numpy is imported: the last bits of a sum depend on the number of threads of its linear algebra, and a trial
+# computes with one, whatever process it runs in.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 settings.register_profile(
     "default", max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )

@@ -11,7 +11,7 @@ from planners.motion_check import MotionChecker
 from planners.path_search import SearchRules
 from planners.short_drive import cost_m, first_part, plan_short_drive, shortened
 from planners.time_account import CARRIER_M_S, TimeAccount, drive_time_s, track_m
-from rfcompass.errors import TooFewReads
+from rfcompass.errors import TagNeverHeard
 from rfcompass.geometry import Pose2
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import CollisionModel, QuickCollisions, YouBot
@@ -260,5 +260,5 @@ def test_where_no_tag_is_heard_the_estimate_alone_tells_reach():
     device.sensor = NoReader()
     (step,) = navigated(device, None, tags_tell_reach=False)
     assert step.in_reach
-    with pytest.raises(TooFewReads):
+    with pytest.raises(TagNeverHeard):
         navigated(device, None)
