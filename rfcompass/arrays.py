@@ -4,6 +4,8 @@ Records keep arrays as immutable copies, so that nobody can change an observatio
 Pickle and JSON drop the read-only flag; loaders therefore go through the record's constructor again.
 """
 
+import math
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -60,3 +62,19 @@ def _fits(got: tuple[int, ...], expected: Shape) -> bool:
 
 def _show(shape: Shape) -> str:
     return "(" + ", ".join("*" if size is None else str(size) for size in shape) + ")"
+
+
+def plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON can hold
+    """Turn arrays, numpy scalars and mappings into what JSON can hold; NaN and infinity become null, the rest text."""
+    match value:
+        case np.ndarray() | np.generic():
+            return plain(value.tolist())
+        case Mapping():
+            return {str(key): plain(item) for key, item in value.items()}
+        case list() | tuple() | set() | frozenset():
+            return [plain(item) for item in value]
+        case float():
+            return value if math.isfinite(value) else None
+        case None | str() | int():
+            return value
+    return str(value)

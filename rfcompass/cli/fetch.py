@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rfcompass.arrays import plain
 from rfcompass.cli.comparator import comparator_json
 from rfcompass.cli.estimates import Estimator, estimate_json, localizer, one_line
-from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, failure_json, messages, plain, print_json
+from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, failure_json, messages, print_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from rfcompass.arrays import plain
 from rfcompass.cli.fetch_task_json import Delivered, actions_json, answers_json, events_json, pose_json
-from rfcompass.cli.output import EXIT_NO_ANSWER, messages, plain, print_json
+from rfcompass.cli.output import EXIT_NO_ANSWER, messages, print_json
 from rfcompass.errors import InputError, NoAnswer
 
 if TYPE_CHECKING:

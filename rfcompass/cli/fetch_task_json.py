@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rfcompass.cli.output import failure_json, plain
+from rfcompass.arrays import plain
+from rfcompass.cli.output import failure_json
 
 if TYPE_CHECKING:
     from planners.task import PartTask

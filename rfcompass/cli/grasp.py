@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rfcompass.arrays import plain
 from rfcompass.cli.grasp_json import grasp_failure_json, plan_json
-from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, messages, plain, print_json, print_table
+from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, messages, print_json, print_table
 
 if TYPE_CHECKING:
     from rfcompass.types import GraspFailure, GraspPlan, World

@@ -4,18 +4,17 @@ Exit 0: done. Exit 1: no answer, for a typed reason. Exit 2: bad input.
 """
 
 import json
-import math
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Annotated, Any
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from rfcompass.arrays import plain
 from rfcompass.errors import InputError, RfCompassError
 
 EXIT_NO_ANSWER = 1
@@ -51,22 +50,6 @@ def failure_json(error: RfCompassError) -> dict[str, Any]:
 def print_json(answer: Mapping[str, Any]) -> None:
     """Write one JSON object to stdout; NaN becomes null."""
     sys.stdout.write(json.dumps(plain(answer), allow_nan=False) + "\n")
-
-
-def plain(value: Any) -> Any:  # noqa: ANN401 - whatever JSON can hold
-    """Turn arrays, numpy scalars, mappings and NaN into what JSON can hold."""
-    match value:
-        case np.ndarray() | np.generic():
-            return plain(value.tolist())
-        case Mapping():
-            return {str(key): plain(item) for key, item in value.items()}
-        case list() | tuple() | set() | frozenset():
-            return [plain(item) for item in value]
-        case float():
-            return value if math.isfinite(value) else None
-        case None | str() | int():
-            return value
-    return str(value)
 
 
 def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> None:

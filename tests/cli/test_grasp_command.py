@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from rfcompass.arrays import plain
 from rfcompass.cli.estimates import estimate_json
-from rfcompass.cli.output import plain
 from rfcompass.types import PartEstimate
 
 LEG = "table_leg_3"

@@ -6,7 +6,8 @@ import typer
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rfcompass.cli.output import answering, plain, print_json
+from rfcompass.arrays import plain
+from rfcompass.cli.output import answering, print_json
 from rfcompass.errors import InputError, TagNeverHeard
 
 values = st.recursive(

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 
 from rfcompass import errors
+from rfcompass.arrays import plain
 from rfcompass.errors import RfCompassError, RobotLost, RobotRefused
-from rfcompass.recordings.robot_link.frames import JsonObject, plain
+from rfcompass.recordings.robot_link.frames import JsonObject
 
 
 def error_json(error: RfCompassError) -> JsonObject:

@@ -8,8 +8,6 @@ import reprlib
 from collections.abc import Mapping
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from rfcompass.errors import RobotFormatError
 
 SCHEMA = "rfcompass-robot-link/1"
@@ -70,19 +68,3 @@ def frame_id(frame: Mapping[str, Any]) -> int:
 def shown(value: object) -> str:
     """A value for an error's message, cut short: what comes from outside may be long or nested deeply."""
     return reprlib.repr(value)
-
-
-def plain(value: Any) -> Any:  # noqa: ANN401 - the numbers of an error are anything
-    """Turn the evidence of an error into what JSON can hold: NaN and infinity become null, what is unknown its text."""
-    match value:
-        case np.ndarray() | np.generic():
-            return plain(value.tolist())
-        case Mapping():
-            return {str(key): plain(item) for key, item in value.items()}
-        case list() | tuple() | set() | frozenset():
-            return [plain(item) for item in value]
-        case float():
-            return value if np.isfinite(value) else None
-        case None | str() | int():
-            return value
-    return str(value)
