@@ -1,15 +1,18 @@
 """Where the antenna carrier drives next: two legs at right angles, as near to the part as pays.
 
 From afar all tags are seen from one side, and reflections are as loud as the tag; an L whose legs pass the part within
-1.0 to 1.5 m is worth more than any estimator. So: first a scan from anywhere, then an L about what it found.
+1.0 to 1.5 m is worth more than any estimator. So: first a scan from anywhere, then an L about what it found. Among
+furniture an L seldom fits; then `free_legs` finds what does.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from typing import TypeAlias
 
 import numpy as np
 
+from planners.free_legs import Corridor, free_tracks_m
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import OutOfReach
 
@@ -24,14 +27,14 @@ LEAST_ANGLE_RAD, ENOUGH_ANGLE_RAD = np.radians([45.0, 100.0])
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NearTrack:
-    """Plans an L about a part, its legs along the axes of a rectangle that the carrier may drive in.
+    """Plans legs about a part inside a rectangle that the carrier may drive in.
 
     All values are ours, from a study of simulated rooms: legs of 2 m at 0.8 m were worse than 3 m at 1.2 m.
 
     Attributes:
         low_m: Least x, y of the antenna [m].
         high_m: Largest x, y [m].
-        stand_offs_m: Distances of a leg from the part that are tried, the best one first [m].
+        stand_off_m: Distance of a leg of the L from the part [m].
         length_m: Length of each leg, where rectangle and obstacles allow it [m].
         height_m: Height of the antenna [m].
         clear_m: How far the antenna keeps from obstacles: half the carrier [m].
@@ -39,53 +42,50 @@ class NearTrack:
 
     low_m: tuple[float, float] = (0.4, 0.4)
     high_m: tuple[float, float] = (5.6, 4.6)
-    stand_offs_m: tuple[float, ...] = (1.2,)
+    stand_off_m: float = 1.2
     length_m: float = 3.0
     height_m: float = 0.3
     clear_m: float = 0.25
 
-    def legs_m(self, part_m: FloatArray, keep_out_m: FloatArray | None = None) -> FloatArray:
-        """Plan about a place in the rectangle's frame [m], shape (2,); see `options_m`.
+    def legs_m(self, part_m: FloatArray) -> FloatArray:
+        """Plan an L about a place in the rectangle's frame [m], shape (2,), where nothing else stands.
 
         Returns:
             Start and end of each leg [m], shape (2, 2, 3). Of the four sides that the L can have, the one whose
             worse leg the part sees under the largest angle; the first of several.
 
         Raises:
-            OutOfReach: If there is no room for two legs, of 1.5 m and 45 degrees at least, at any of the distances.
+            OutOfReach: If there is no room for two legs, of 1.5 m and 45 degrees at least.
         """
-        options_m = self.options_m(part_m, keep_out_m)
-        if not options_m:
-            (x_m, y_m), offs = part_m, ", ".join(f"{off:g}" for off in self.stand_offs_m)
-            message = f"no room for two legs of {LEAST_LEG_M} m at {offs} m beside ({x_m:.2f}, {y_m:.2f}) m"
-            raise OutOfReach(message, part_m=[float(x_m), float(y_m)], needed_m=LEAST_LEG_M)
-        return options_m[0]
+        sides = [[self._legs_beside_m(part_m, axis, side) for side in (-1.0, 1.0)] for axis in (0, 1)]
+        pairs = [np.array([*x, *y]) for x, y in product(*sides) if x and y]
+        if not pairs:
+            x_m, y_m = map(float, part_m)
+            message = (
+                f"no room for two legs of {LEAST_LEG_M} m at {self.stand_off_m:g} m beside ({x_m:.2f}, {y_m:.2f}) m"
+            )
+            raise OutOfReach(message, part_m=[x_m, y_m], needed_m=LEAST_LEG_M)
+        return max(pairs, key=lambda legs_m: min(_seen_rad(part_m, leg) for leg in legs_m))
 
-    def options_m(self, part_m: FloatArray, keep_out_m: FloatArray | None = None) -> list[FloatArray]:
-        """List every L about a place, first that whose worse leg is seen from there under the largest angle.
+    def free_m(self, part_m: FloatArray, keep_out_m: FloatArray) -> Iterator[FloatArray]:
+        """List tracks of legs in any direction, the most telling first; see `free_tracks_m`.
 
         Args:
             part_m: About where the part lies, in the rectangle's frame [m], shape (2,).
             keep_out_m: Rectangles that the carrier must not touch, least and largest x, y of each [m], shape (B, 2, 2).
-
-        Returns:
-            Start and end of each leg [m], shape (2, 2, 3) each: for each of the four sides that an L has the best
-            distance; after these the second best, and so on.
         """
-        blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
-        sides = [[self._legs_beside_m(part_m, axis, side, blocks_m) for side in (-1.0, 1.0)] for axis in (0, 1)]
-        found: list[FloatArray] = []
-        for rank in range(len(self.stand_offs_m)):
-            pairs = [(x[rank], y[rank]) for x, y in product(*sides) if rank < min(len(x), len(y))]
-            found += sorted(map(np.array, pairs), key=lambda legs_m: -min(_seen_rad(part_m, leg) for leg in legs_m))
-        return found
+        corridor = Corridor(
+            low_m=np.array(self.low_m), high_m=np.array(self.high_m), blocks_m=self._grown_m(keep_out_m),
+            height_m=self.height_m, length_m=self.length_m,
+        )  # fmt: skip
+        return free_tracks_m(part_m, corridor)
 
     def corner_legs_m(self, corner: tuple[int, int], keep_out_m: FloatArray | None = None) -> FloatArray:
         """Plan one leg along each of the two sides that meet in a corner, from the middle of the rectangle's side.
 
         Args:
             corner: 0 for the low and 1 for the high end of x and of y.
-            keep_out_m: As for `legs_m`.
+            keep_out_m: As for `free_m`.
 
         Raises:
             OutOfReach: If a side has no room for a leg of 1.5 m.
@@ -103,19 +103,16 @@ class NearTrack:
         return np.array(legs)
 
     def legs(self, part_m: FloatArray) -> tuple[Leg, ...]:
-        """Return the legs as tuples, as a simulated carrier takes them; see `legs_m`."""
+        """Return the L as tuples, as a simulated carrier takes them; see `legs_m`."""
         return tuple(((a[0], a[1], a[2]), (b[0], b[1], b[2])) for a, b in self.legs_m(part_m).tolist())
 
-    def _legs_beside_m(self, part_m: FloatArray, axis: int, side: float, blocks_m: FloatArray) -> list[FloatArray]:
-        """The best leg at each distance along an axis on one side of the part, best first, shape (2, 3) each."""
-        found, other = [], 1 - axis
-        for stand_off_m in self.stand_offs_m:
-            across_m = float(part_m[other] + side * stand_off_m)
-            if self.low_m[other] - 1e-9 <= across_m <= self.high_m[other] + 1e-9:
-                legs_m = self._legs_along_m(axis, float(part_m[axis]), across_m, blocks_m)
-                found += [max(legs_m, key=lambda leg_m: _seen_rad(part_m, leg_m))] if legs_m else []
-        good = [leg for leg in found if _seen_rad(part_m, leg) >= LEAST_ANGLE_RAD and _length_m(leg) >= LEAST_LEG_M]
-        return sorted(good, key=lambda leg_m: -_seen_rad(part_m, leg_m))
+    def _legs_beside_m(self, part_m: FloatArray, axis: int, side: float) -> list[FloatArray]:
+        """The leg along an axis on one side of the part, shape (2, 3), if it is worth driving."""
+        across_m = float(part_m[1 - axis] + side * self.stand_off_m)
+        if not self.low_m[1 - axis] - 1e-9 <= across_m <= self.high_m[1 - axis] + 1e-9:
+            return []
+        legs_m = self._legs_along_m(axis, float(part_m[axis]), across_m, np.zeros((0, 2, 2)))
+        return [leg for leg in legs_m if _seen_rad(part_m, leg) >= LEAST_ANGLE_RAD and _length_m(leg) >= LEAST_LEG_M]
 
     def _legs_along_m(self, axis: int, middle_m: float, across_m: float, blocks_m: FloatArray) -> list[FloatArray]:
         """A leg in each gap of a line of the rectangle, as near to `middle_m` as it can be, shape (2, 3) each."""
@@ -130,13 +127,16 @@ class NearTrack:
     def _gaps_m(self, axis: int, across_m: float, blocks_m: FloatArray) -> list[tuple[float, float]]:
         """Free intervals along a line of the rectangle [m], in ascending order."""
         other, gaps, at_m = 1 - axis, [], self.low_m[axis]
-        low_m, high_m = blocks_m[:, 0] - self.clear_m, blocks_m[:, 1] + self.clear_m
+        low_m, high_m = self._grown_m(blocks_m).transpose(1, 0, 2)
         met = (low_m[:, other] < across_m) & (across_m < high_m[:, other])
         for start_m, end_m in sorted(zip(low_m[met, axis].tolist(), high_m[met, axis].tolist(), strict=True)):
             gaps.append((at_m, min(start_m, self.high_m[axis])))
             at_m = max(at_m, end_m)
         gaps.append((at_m, self.high_m[axis]))
         return [(start_m, end_m) for start_m, end_m in gaps if end_m > start_m]
+
+    def _grown_m(self, blocks_m: FloatArray) -> FloatArray:
+        return np.asarray(blocks_m + self.clear_m * np.array([[-1.0], [1.0]]))
 
 
 def _span_m(middle_m: float, low_m: float, high_m: float, length_m: float) -> FloatArray:

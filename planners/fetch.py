@@ -13,12 +13,14 @@ from typing import Protocol
 
 import numpy as np
 
+from planners.beside_part import over_the_part, way_beside
 from planners.drive_around import Approach, DriveAround
 from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
 from planners.time_account import TimeAccount, TimeSpent
+from planners.worth_driving import is_worth_driving
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError, TagNeverHeard
+from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError, TagNeverHeard, TooFewReads
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, MobileManipulator, ProximityMeter, Scanner
 from rfcompass.localization import in_reach_by_base_end, measure_proximities, next_goal
@@ -32,6 +34,11 @@ from rfcompass.types.proximity import ProximityMatrix
 # heading of the jaws [rad]. Ours; chosen for unequal radii and directions, all within reach of the arm.
 HAND_POINT_M = (0.42, 0.0)
 HAND_SWEEP = ((0.0, 0.0, 0.0), (-0.02, -0.12, np.pi / 3), (0.02, 0.12, -np.pi / 3), (0.03, 0.0, np.pi / 2))
+
+# By how much the base is turned about the part from where its long side lies across, try after try: a leg that points
+# at the robot more than this would lie under its base.
+TURNS_RAD = np.radians([0.0, 180.0, 35.0, -35.0, 145.0, -145.0])
+LEAST_PROGRESS = 0.5  # ours: a drive that ends before this share of its length was stopped by a wall
 
 
 class Device(Scanner, MobileManipulator, Protocol):
@@ -180,34 +187,78 @@ class Fetch:
     def _approach(self, step: FetchStep) -> None:
         """Drive D/2 towards the part; around obstacles, as far along the way to it."""
         if self.around is None:
-            self.drive(step.observation, self._half_way(step.estimate))
+            goal = self._half_way(step.estimate)
+            if _length_m(self.drive(step.observation, goal)) < LEAST_PROGRESS * _length_m(goal):
+                self._looks_from_elsewhere()  # the part does not lie behind a wall: what was heard was an echo
             return
         D, rules = step.estimate.distance_m, self.rules
         nearby = next_goal(step.estimate, max(0.5, 1.0 - rules.stand_off_m / D))
         near_m = 0.95 * rules.reach_m  # the wheels slip, and the next estimate is another
         self.drive(step.observation, nearby, Approach(step.estimate.centre_m, near_m, min(D / 2, rules.max_step_m)))
 
-    def drive(self, observation: Observation, T_base_goal: Pose2, approach: Approach | None = None) -> None:
+    def drive(self, observation: Observation, T_base_goal: Pose2, approach: Approach | None = None) -> Pose2:
         """Drive to a pose in the base frame of the newest stop, or as near as known obstacles allow.
 
         Args:
             observation: That stop.
             T_base_goal: Where to.
             approach: The part, if the drive leads to it around obstacles.
+
+        Returns:
+            How far the robot got, as it believes.
         """
-        if self.around is None:
-            self._time.drove([self.device.move_base(T_base_goal)])
-            return
         stands = Pose2()
+        if self.around is None:
+            stands = self.device.move_base(T_base_goal)
+            self._time.drove([stands])
+            return stands
         for pose in self.around.way(observation, self._joints, T_base_goal, approach):
             moved = self.device.move_base(stands.inverse() @ pose)
             stands = stands @ moved
             self._time.drove([moved])
+        return stands
+
+    def stand_over(self, step: FetchStep) -> None:
+        """Drive so that the part lies under the hand, its long side across the base if θ is known.
+
+        Where a wall stops the robot, it tries the other sides of the part.
+
+        Args:
+            step: The newest stop.
+        """
+        estimate, stands = step.estimate, Pose2()
+        for turn_rad in TURNS_RAD.tolist():
+            goal = over_the_part(estimate.centre_m, estimate.theta_rad, self.rules.hand_point_m, turn_rad)
+            if self.around is not None:
+                self.drive(step.observation, goal)
+                return
+            stands = stands @ self.drive_beside(stands.inverse() @ goal, stands.inverse().apply(estimate.centre_m))
+            if _length_m(stands.inverse() @ goal) <= self.rules.lined_up_m:
+                return
+
+    def drive_beside(self, T_base_goal: Pose2, part_m: FloatArray) -> Pose2:
+        """Drive to a pose beside the part, around it if it lies in between.
+
+        Args:
+            T_base_goal: Where to, in the frame of the base as it stands.
+            part_m: Centre of the part in that frame [m], shape (2,).
+
+        Returns:
+            How far the robot got, as it believes; it gives up where a wall stops it.
+        """
+        stands = Pose2()
+        for pose in way_beside(T_base_goal, part_m):
+            moved = self.device.move_base(stands.inverse() @ pose)
+            self._time.drove([moved])
+            stands = stands @ moved
+            if _length_m(stands.inverse() @ pose) > self.rules.lined_up_m:
+                break
+        return stands
 
     def _line_up(self, step: FetchStep) -> Iterator[FetchStep]:
         """Drive until the hand is over the part at the first place of the sweep, as far as one can tell."""
         for _ in range(self.rules.max_line_ups):
-            self.drive(step.observation, self.under_the_hand(step.estimate))
+            self.stand_over(step)
             step = yield from self._hand_stop(*self.rules.hand_sweep[0])
             if np.linalg.norm(step.estimate.centre_m - self.rules.hand_point_m) <= self.rules.lined_up_m:
                 return
@@ -233,20 +284,41 @@ class Fetch:
         return step
 
     def _found(self, phase: str) -> FetchStep:
-        """Scan until there is an answer: without the older stops, then from wherever else the antenna can hear."""
+        """Scan until there is an answer to act on; if there is none, from wherever else the antenna can hear."""
+        best: FetchStep | NoAnswer | None = None
         while True:
-            try:
-                step = self._scanned(phase)
-            except RobotLinkError:
-                raise  # no tag was missed: the robot itself is not there, and nothing may move on its account
-            except NoAnswer:
-                if self.antenna is None or not self.antenna.looks_from_elsewhere():
-                    raise
-                self._observations.clear()
-            else:
-                if self.antenna is not None:
-                    self.antenna.found()
-                return step
+            answer = self._answered(phase)
+            if isinstance(answer, FetchStep) and self._is_worth_driving(answer):
+                return answer
+            if best is None or isinstance(answer, FetchStep):
+                best = answer
+            if not self._looks_from_elsewhere():
+                if isinstance(best, NoAnswer):
+                    raise best
+                return best
+
+    def _is_worth_driving(self, step: FetchStep) -> bool:
+        if not is_worth_driving(step.estimate, step.proximity, step.observation.anchors):
+            return False
+        if self.antenna is not None:
+            self.antenna.found()
+        return True
+
+    def _answered(self, phase: str) -> FetchStep | NoAnswer:
+        """Scan once."""
+        try:
+            return self._scanned(phase)
+        except RobotLinkError:
+            raise  # no tag was missed: the robot itself is not there, and nothing may move on its account
+        except NoAnswer as failure:
+            return failure
+
+    def _looks_from_elsewhere(self) -> bool:
+        """Send the antenna to where it has not looked from yet, and forget the older stops; False if it cannot."""
+        if self.antenna is None or not self.antenna.looks_from_elsewhere():
+            return False
+        self._observations.clear()
+        return True
 
     def _scanned(self, phase: str) -> FetchStep:
         observation = self.device.scan()
@@ -267,20 +339,18 @@ class Fetch:
         """Near by the estimate and by what the tags say: comparisons alone hardly see the distance of a far part."""
         if estimate.distance_m > self.rules.reach_m:
             return False
-        return not self.rules.tags_tell_reach or in_reach_by_base_end(matrix, self.robot.layout)
+        try:
+            return not self.rules.tags_tell_reach or in_reach_by_base_end(matrix, self.robot.layout)
+        except TooFewReads:  # the tags abstain, and the estimate decides
+            return True
 
     def _half_way(self, estimate: PartEstimate) -> Pose2:
         """Drive D/2 in the direction φ of the part and face it [Wang2013], section 4.2.B."""
         return next_goal(estimate, min(0.5, self.rules.max_step_m / estimate.distance_m))
 
-    def under_the_hand(self, estimate: PartEstimate) -> Pose2:
-        """Where to drive so that the part's centre lies under the hand, its long side across the base if θ is known."""
-        turn = estimate.bearing_rad
-        if estimate.theta_rad is not None:
-            across = estimate.theta_rad - np.pi / 2.0
-            turn = float((across + np.pi / 2.0) % np.pi - np.pi / 2.0)  # half a turn of the part is no difference
-        x_m, y_m = estimate.centre_m - Pose2(0.0, 0.0, turn).apply(np.array(self.rules.hand_point_m))
-        return Pose2(x_m, y_m, turn)
+
+def _length_m(drive: Pose2) -> float:
+    return float(np.hypot(drive.x_m, drive.y_m))
 
 
 def _check_heard(matrix: ProximityMatrix, observation: Observation) -> None:

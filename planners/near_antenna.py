@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from planners.antenna_track import NearTrack
+from planners.free_legs import track_information
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import OutOfReach, TagNeverHeard
 from rfcompass.geometry.pose2 import Pose2
@@ -18,8 +19,12 @@ from rfcompass.types.observation import Observation
 MOVED_M = 0.3
 ROBOT_M = 0.45
 FROM_M = 1.5
+# What legs must tell to be worth driving [1/m]. Two whole legs at 1.2 m tell 0.37; those along two walls, of a part in
+# the far corner of the room, 0.002.
+LEAST_INFORMATION = 0.02
 # Corners of the rectangle in the order in which the carrier looks from them: far ones first, as it starts at the first.
 _CORNERS = ((1, 1), (1, 0), (0, 1), (0, 0))
+_QUARTERS = ((0.75, 0.75), (0.75, 0.25), (0.25, 0.75), (0.25, 0.25))
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +53,8 @@ class NearAntenna:
     keep_out_m: FloatArray = field(default_factory=lambda: np.zeros((0, 2, 2)))
     _planned_for_m: FloatArray | None = field(init=False, default=None)
     _option: int = field(init=False, default=0)
-    _looks: int = field(init=False, default=0)
+    _next_look: int = field(init=False, default=0)
+    _looked: int = field(init=False, default=0)
 
     def comes_nearer(self, observation: Observation, estimate: PartEstimate) -> bool:
         """Send the carrier to an L about the part, unless it drives one already or there is no room.
@@ -89,35 +95,53 @@ class NearAntenna:
         return _Place(Pose2(x_m, y_m, base.theta_rad).apply(estimate.centre_m), base.centre_m)
 
     def _takes(self, place: "_Place", option: int) -> bool:
-        robot_m = place.base_m + np.array([[-ROBOT_M], [ROBOT_M]])
-        options_m = self.track.options_m(place.part_m, np.concatenate([self.keep_out_m, robot_m[None]]))
+        options_m = self._options_m(place)
         if option >= len(options_m):
             return False
         self._planned_for_m, self._option = place.part_m, option
         self.carrier.use_legs(options_m[option])
         return True
 
+    def _options_m(self, place: "_Place") -> list[FloatArray]:
+        """Tracks along the walls that tell enough, then those in any direction, shape (2, 2, 3) each."""
+        robot_m = place.base_m + np.array([[-ROBOT_M], [ROBOT_M]])
+        blocks_m = np.concatenate([self.keep_out_m, robot_m[None]])
+        options_m = list(self.track.free_m(place.part_m, blocks_m))
+        return [legs_m for legs_m in options_m if track_information(place.part_m, legs_m) >= LEAST_INFORMATION]
+
     def looks_from_elsewhere(self) -> bool:
-        """Send the carrier along the next two sides of its rectangle, where the part could not be heard or placed.
+        """Send the carrier to the next place to look from, where the part could not be heard or placed.
+
+        These are each corner of its rectangle, along the two sides that meet there, and then the free legs about the
+        middle of each quarter of it. The one after the last is the first.
 
         Returns:
-            False where no side has room for legs, or every corner has had its turn since the part was last found.
+            False where no place has room for legs, or each had its turn since the part was last found.
         """
-        while self._looks < len(_CORNERS):
-            corner = _CORNERS[self._looks]
-            self._looks += 1
-            try:
-                legs_m = self.track.corner_legs_m(corner, self.keep_out_m)
-            except OutOfReach:
-                continue
-            self._planned_for_m = None
-            self.carrier.use_legs(legs_m)
-            return True
+        while self._looked < len(_CORNERS) + len(_QUARTERS):
+            legs_m = self._look_m(self._next_look)
+            self._next_look = (self._next_look + 1) % (len(_CORNERS) + len(_QUARTERS))
+            self._looked += 1
+            if legs_m is not None:
+                self._planned_for_m = None
+                self.carrier.use_legs(legs_m)
+                return True
         return False
 
+    def _look_m(self, index: int) -> FloatArray | None:
+        """Legs to look along [m], shape (2, 2, 3); None if there is no room."""
+        if index < len(_CORNERS):
+            try:
+                return self.track.corner_legs_m(_CORNERS[index], self.keep_out_m)
+            except OutOfReach:
+                return None
+        share = np.array(_QUARTERS[index - len(_CORNERS)])
+        middle_m = (1.0 - share) * self.track.low_m + share * self.track.high_m
+        return next(self.track.free_m(middle_m, self.keep_out_m), None)
+
     def found(self) -> None:
-        """The part was found: a later look around may begin anew."""
-        self._looks = 0
+        """The part was found: all looks may be had again."""
+        self._looked = 0
 
 
 def _apart_m(one_m: FloatArray, other_m: FloatArray) -> float:

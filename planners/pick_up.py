@@ -93,7 +93,10 @@ class PickUp:
                 if answer.kind in _HOPELESS or drives == self.rules.max_drives:
                     raise GraspFailed(f"no grasp: {answer.message}", reason=answer.kind, tries=tries)
                 drives += 1
-                self.fetch.drive(step.observation, answer.base or self.fetch.under_the_hand(step.estimate))
+                if answer.base is None:
+                    self.fetch.stand_over(step)
+                else:
+                    self.fetch.drive_beside(answer.base, step.estimate.centre_m)
                 step = yield from self.fetch.measure_anew(part_moved=False)
                 continue
             trial = GraspTrial(answer, self._carried_out(answer))

@@ -35,6 +35,10 @@ Verdict: TypeAlias = Literal["good", "fair", "poor", "useless"]
 VERDICTS: tuple[tuple[float, Verdict], ...] = ((0.1, "good"), (0.3, "fair"), (1.0, "poor"))
 
 
+# Meters whose m is a distance in metres, so that its scale is known to be 1.
+METRIC_KINDS = frozenset({"sar_nearfield"})
+
+
 @dataclass(frozen=True, slots=True)
 class ComparatorQuality(Record):
     """How well one scan's proximities tell the known distances of the robot's own tags.
@@ -196,3 +200,24 @@ def _wrong_triplets(m: FloatArray, d: FloatArray) -> FloatArray:
     seems, truly = m[:, i] - m[:, j], d[:, i] - d[:, j]
     asked = (asker != i) & (asker != j) & np.isfinite(seems) & (np.abs(truly) > TIE_M)
     return np.asarray(np.sign(seems[asked]) != np.sign(truly[asked]), dtype=np.float64)
+
+
+def own_scale(matrix: ProximityMatrix, anchors: TagPositions) -> float | None:
+    """How many times too long the distances between the robot's own tags seem: the median of m / d.
+
+    Far from 1, the images of these tags show something else than the tags, whatever their order.
+
+    Args:
+        matrix: Proximities of one scan.
+        anchors: Where forward kinematics puts the robot's tags in that scan, in the order of the matrix.
+
+    Returns:
+        The ratio; None for a meter that does not measure in metres, or where no pair was measured.
+    """
+    if matrix.kind not in METRIC_KINDS:
+        return None
+    i, j = np.triu_indices(len(anchors.epcs), 1)
+    d_m = np.linalg.norm(anchors.points_m[i] - anchors.points_m[j], axis=1)
+    m = matrix.anchor_m[i, j]
+    told = np.isfinite(m) & (d_m > TIE_M)
+    return float(np.median(m[told] / d_m[told])) if told.any() else None

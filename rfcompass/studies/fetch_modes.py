@@ -10,10 +10,6 @@ from rfcompass.localization import ConsistencyLocalizer, PartitionLocalizer, Pos
 from rfcompass.rf import meter
 from rfcompass.studies.radio_setup import BEST_RADIO, PAPER_RADIO, RadioSetup
 
-# Legs of the antenna about the part. Ours: distances from 1.05 to 1.5 m serve nearly alike, which leaves a choice where
-# furniture stands.
-NEAR = NearTrack(stand_offs_m=(1.2, 1.35, 1.05, 1.5))
-
 # In place of a meter: no radio, distances with noise.
 NOISY_DISTANCE = "noisy_distance"
 
@@ -70,4 +66,4 @@ def fetch_mode(mode: Mode, proximity: str | None = None, localizer: Localizer | 
     if paper:
         own = PartitionLocalizer(centre="analytic")
         return FetchMode(radio=PAPER_RADIO, meter=meter(kind), localizer=localizer or own)
-    return FetchMode(radio=BEST_RADIO, meter=meter(kind), localizer=localizer or PosteriorLocalizer(), near=NEAR)
+    return FetchMode(radio=BEST_RADIO, meter=meter(kind), localizer=localizer or PosteriorLocalizer(), near=NearTrack())

@@ -24,7 +24,7 @@ def test_every_part_in_the_middle_of_the_room_gets_two_whole_legs(x_m, y_m):
     legs_m = TRACK.legs_m(part_m)
     assert legs_m.shape == (2, 2, 3)
     for leg_m in legs_m:
-        assert foot_m(part_m, leg_m) == pytest.approx(TRACK.stand_offs_m[0])
+        assert foot_m(part_m, leg_m) == pytest.approx(TRACK.stand_off_m)
         assert np.linalg.norm(leg_m[1] - leg_m[0]) == pytest.approx(TRACK.length_m)
         assert (leg_m[:, :2] >= np.array(TRACK.low_m) - 1e-9).all()
         assert (leg_m[:, :2] <= np.array(TRACK.high_m) + 1e-9).all()
@@ -49,11 +49,11 @@ blocks = st.lists(
 )
 
 
-@given(x_m=st.floats(1.7, 4.3), y_m=st.floats(1.7, 3.3), desks=blocks)
-def test_legs_keep_clear_of_all_that_stands_there(x_m, y_m, desks):
+@given(corner=st.sampled_from([(0, 0), (0, 1), (1, 0), (1, 1)]), desks=blocks)
+def test_legs_along_the_walls_keep_clear_of_all_that_stands_there(corner, desks):
     keep_out_m = np.array([[[x, y], [x + w, y + d]] for x, y, w, d in desks]).reshape(-1, 2, 2)
     try:
-        legs_m = NearTrack(stand_offs_m=(1.2, 1.4)).legs_m(np.array([x_m, y_m]), keep_out_m)
+        legs_m = TRACK.corner_legs_m(corner, keep_out_m)
     except OutOfReach:
         return
     for start_m, end_m in legs_m[:, :, :2]:
@@ -63,7 +63,10 @@ def test_legs_keep_clear_of_all_that_stands_there(x_m, y_m, desks):
         assert np.linalg.norm(end_m - start_m) >= LEAST_LEG_M - 1e-9
 
 
-def test_a_desk_across_the_best_line_sends_the_leg_to_the_next_distance():
-    desk_m = np.array([[[1.0, 1.2], [5.0, 1.35]], [[1.0, 3.65], [5.0, 3.8]]])
-    legs_m = NearTrack(stand_offs_m=(1.2, 0.8)).legs_m(np.array([3.0, 2.5]), desk_m)
-    assert foot_m(np.array([3.0, 2.5]), legs_m[0]) == pytest.approx(0.8)
+def test_free_legs_keep_the_carriers_distance_from_what_stands_there():
+    desk_m = np.array([[[2.0, 1.2], [4.0, 1.5]]])
+    for legs_m in TRACK.free_m(np.array([3.0, 2.5]), desk_m):
+        for start_m, end_m in legs_m[:, :, :2]:
+            points_m = np.linspace(start_m, end_m, 200)
+            low_m, high_m = desk_m[0] + np.array([[-1.0], [1.0]]) * (TRACK.clear_m - 1e-6)
+            assert not ((points_m > low_m) & (points_m < high_m)).all(axis=1).any()

@@ -1,5 +1,7 @@
 """The closed loop: half the way each time, then the hand over the part; and it ends in a typed way."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -18,10 +20,10 @@ EXACT = NoisyDistances(0.0)
 NO_SLIP = WheelSlip(position_m=0.0, heading_rad=0.0)
 
 
-def a_device(x_m=3.0, y_m=1.0, theta_rad=0.7):
+def a_device(x_m=3.0, y_m=1.0, theta_rad=0.7, kind=SimulatedRobot):
     room = PlaneRoom(T_room_base=Pose2(), T_room_part=Pose2(x_m, y_m, theta_rad))
     rng = np.random.default_rng(0)
-    return SimulatedRobot(ROBOT, LEG, LEG.layout(4), room, rng, ROBOT.posture("scan").joints, EXACT, NO_SLIP)
+    return kind(ROBOT, LEG, LEG.layout(4), room, rng, ROBOT.posture("scan").joints, EXACT, NO_SLIP)
 
 
 class Clairvoyant:
@@ -100,3 +102,44 @@ def test_a_localizer_without_an_answer_ends_the_loop_and_the_stop_is_named():
     with pytest.raises(Infeasible) as caught:
         list(a_fetch(a_device(), Mute()).steps())
     assert caught.value.numbers == {"rows": 3, "stop": 0, "phase": "navigate"}
+
+
+class Cornered(SimulatedRobot):
+    """A robot that a wall keeps from one side of the part: it cannot drive to x beyond the wall."""
+
+    wall_m = 1.2
+
+    def move_base(self, T_base_goal):
+        ahead = self.true_pose_in_room() @ T_base_goal
+        return super().move_base(T_base_goal if ahead.x_m <= self.wall_m else Pose2())
+
+
+@pytest.mark.parametrize("theta_rad", [-1.2, 0.3, 1.5])
+def test_a_part_in_front_of_a_wall_is_reached_from_another_side(theta_rad):
+    device = a_device(1.1, 0.2, theta_rad, kind=Cornered)
+    last = [step for step in a_fetch(device, Clairvoyant(device)).steps() if step.phase == "localise"][-1]
+    assert np.allclose(last.estimate.centre_m, FetchRules().hand_point_m, atol=1e-6)
+    assert all(pose.x_m <= Cornered.wall_m for pose in device.true_way_in_room())
+
+
+def test_tags_that_say_nothing_about_reach_leave_it_to_the_estimate():
+    class NoHand:
+        """Hears no pair of a hand tag."""
+
+        def __init__(self, device):
+            self.device = device
+
+        def __getattr__(self, name):
+            return getattr(self.device, name)
+
+        def scan(self):
+            heard = self.device.scan()
+            hands = [i for i, role in enumerate(ROBOT.layout.roles) if role.startswith("hand")]
+            anchor_m, m = heard.proximity.anchor_m.copy(), heard.proximity.m.copy()
+            anchor_m[hands], anchor_m[:, hands], m[:, hands] = np.nan, np.nan, np.nan
+            return replace(heard, proximity=replace(heard.proximity, anchor_m=anchor_m, m=m))
+
+    device = a_device()
+    steps = list(a_fetch(NoHand(device), Clairvoyant(device)).navigate())
+    assert steps[-1].in_reach
+    assert steps[-1].estimate.distance_m <= FetchRules().reach_m

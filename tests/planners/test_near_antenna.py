@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from planners.antenna_track import LEAST_LEG_M, NearTrack
-from planners.fetch import Fetch
+from planners.fetch import Fetch, FetchRules
+from planners.free_legs import STAND_OFFS_M
 from planners.near_antenna import MOVED_M, ROBOT_M, NearAntenna
-from rfcompass.errors import InputError, TagNeverHeard
+from rfcompass.errors import InputError, OutOfReach, TagNeverHeard
 from rfcompass.geometry import Pose2
 from rfcompass.interfaces import AntennaCarrier
 from rfcompass.localization.locate_base import locate_base
@@ -21,7 +22,8 @@ from rfcompass.types import Observation, PartEstimate, Scan
 
 ROBOT = YouBot()
 LEG = PartDatabase(":memory:").part("table_leg_3")
-TRACK = NearTrack(stand_offs_m=(1.2, 1.35, 1.05, 1.5))
+TRACK = NearTrack()
+LOOKS = 8  # four corners, four quarters
 T_ROOM_BASE, T_ROOM_PART = Pose2(2.4, 2.2, 0.4), Pose2(2.9, 2.6, 1.0)
 TRUTH = T_ROOM_BASE.inverse() @ T_ROOM_PART
 
@@ -74,7 +76,7 @@ def test_the_carrier_comes_near_the_part_and_keeps_off_the_robot_and_the_furnitu
     for leg_m in legs_m:
         points_m = np.linspace(leg_m[0, :2], leg_m[1, :2], 50)
         nearest_m = np.linalg.norm(points_m - T_ROOM_PART.translation_m, axis=1).min()
-        assert 1.0 <= nearest_m <= 1.6
+        assert STAND_OFFS_M[0] - 0.06 <= nearest_m <= STAND_OFFS_M[-1] + 0.06
         for low_m, high_m in (*desk_m, robot_m):
             grown = TRACK.clear_m - 0.06  # the images place the base to centimetres
             assert not ((points_m > low_m - grown) & (points_m < high_m + grown)).all(axis=1).any()
@@ -94,7 +96,7 @@ def test_other_sides_are_taken_once_each_until_the_part_seems_elsewhere():
     antenna = NearAntenna(carrier, TRACK)
     assert antenna.comes_nearer(heard(), estimate())
     while antenna.changes_sides(heard(), estimate()):
-        assert len(carrier.asked) <= 16  # four sides, four distances
+        assert len(carrier.asked) <= 16
     assert len({legs_m.tobytes() for legs_m in carrier.asked}) == len(carrier.asked) > 1
     assert antenna.comes_nearer(heard(), estimate((2.0 * MOVED_M, 0.0)))
     assert antenna.changes_sides(heard(), estimate((2.0 * MOVED_M, 0.0)))
@@ -106,15 +108,18 @@ def test_it_does_not_follow_a_part_that_the_robot_is_far_from():
     assert not carrier.asked
 
 
-def test_it_looks_from_each_corner_once_and_again_after_the_part_was_found():
+def test_it_looks_from_everywhere_once_and_goes_on_from_there_after_the_part_was_found():
     carrier = Legs()
     antenna = NearAntenna(carrier, TRACK)
-    assert [antenna.looks_from_elsewhere() for _ in range(5)] == [True] * 4 + [False]
-    assert len({legs_m.tobytes() for legs_m in carrier.asked}) == 4
-    for legs_m in carrier.asked:
+    assert [antenna.looks_from_elsewhere() for _ in range(LOOKS + 1)] == [True] * LOOKS + [False]
+    assert len({legs_m.tobytes() for legs_m in carrier.asked}) == LOOKS
+    for legs_m in carrier.asked[:4]:
         assert (np.linalg.norm(legs_m[:, 1] - legs_m[:, 0], axis=1) >= LEAST_LEG_M).all()
     antenna.found()
     assert antenna.looks_from_elsewhere()
+    antenna.found()
+    assert antenna.looks_from_elsewhere()
+    assert [legs_m.tobytes() for legs_m in carrier.asked[LOOKS:]] == [legs_m.tobytes() for legs_m in carrier.asked[:2]]
 
 
 def test_a_rectangle_full_of_furniture_has_no_corner():
@@ -182,8 +187,52 @@ def test_a_part_that_is_not_heard_is_looked_for_from_other_sides():
 
 
 def test_the_look_around_ends_with_what_the_localizer_said():
-    carrier, loop = a_fetch(moves=9)
+    carrier, loop = a_fetch(moves=99)
     with pytest.raises(TagNeverHeard, match="not from here") as failure:
         next(iter(loop.steps()))
-    assert len(carrier.asked) == 4
+    assert len(carrier.asked) == LOOKS
     assert failure.value.numbers["phase"] == "navigate"
+
+
+class Unsure(Deaf):
+    """A localizer that could mean anywhere, until the antenna has moved so many times."""
+
+    def estimate(self, observations):
+        sd_m = 0.05 if len(self.carrier.asked) >= self.moves else 3.0 / (1 + len(self.carrier.asked))
+        covariance = np.diag([sd_m**2, sd_m**2, 0.01])
+        return PartEstimate(LEG.part_id, TRUTH.translation_m, TRUTH.theta_rad, "told", 1, covariance=covariance)
+
+
+def test_an_answer_that_could_mean_anywhere_is_not_driven_to_before_the_antenna_has_looked_elsewhere():
+    carrier = Legs()
+    loop = Fetch(ROBOT, Repeats(), Unsure(carrier, 2), ROBOT.posture("scan"), antenna=NearAntenna(carrier, TRACK))
+    first = next(iter(loop.steps()))
+    assert len(carrier.asked) == 2
+    assert np.sqrt(first.estimate.covariance[0, 0]) < 0.1
+
+
+def test_without_another_place_to_look_from_the_unsure_answer_is_all_there_is():
+    loop = Fetch(ROBOT, Repeats(), Unsure(Legs(), 2), ROBOT.posture("scan"))
+    assert np.sqrt(next(iter(loop.steps())).estimate.covariance[0, 0]) == pytest.approx(3.0)
+
+
+class Walled(Repeats):
+    """A device that gets nowhere."""
+
+    def move_base(self, goal):
+        return Pose2()
+
+
+def test_a_drive_that_a_wall_stops_makes_the_antenna_look_elsewhere():
+    carrier = Legs()
+    far = PartEstimate(LEG.part_id, np.array([3.0, 0.0]), 0.0, "told", 1)
+
+    class Told:
+        def estimate(self, observations):
+            return far
+
+    antenna = NearAntenna(carrier, TRACK)
+    loop = Fetch(ROBOT, Walled(), Told(), ROBOT.posture("scan"), FetchRules(max_moves=2), antenna=antenna)
+    with pytest.raises(OutOfReach):
+        list(loop.steps())
+    assert len(carrier.asked) == 3
