@@ -15,6 +15,7 @@ import numpy as np
 
 from planners.beside_part import over_the_part, way_beside
 from planners.drive_around import Approach, DriveAround
+from planners.final_stops import FinalStops
 from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
 from planners.time_account import TimeAccount, TimeSpent
@@ -119,6 +120,7 @@ class Fetch:
         meter: Measures the proximities of each stop once, where the device brings none.
         antenna: Comes near the part; None if the antenna drives the same track always.
         around: Plans drives around known obstacles; None to drive straight, as where no map is known.
+        final: Chooses the last stops, and says when they are enough; None for the places of `rules.hand_sweep`.
     """
 
     robot: Robot
@@ -129,6 +131,7 @@ class Fetch:
     meter: ProximityMeter | None = None
     antenna: NearAntenna | None = None
     around: DriveAround | None = None
+    final: FinalStops | None = None
     _time: TimeAccount = field(init=False, default_factory=TimeAccount)
     _observations: list[Observation] = field(init=False, default_factory=list)
     _joints: FloatArray = field(init=False)
@@ -141,9 +144,11 @@ class Fetch:
             NoAnswer: If the meter or the localizer has no answer; what it said, with the stop's number.
         """
         step = yield from self.navigate()
-        yield from self._line_up(step)
+        step = yield from self._line_up(step)
         for place in self.rules.hand_sweep[1:]:
-            yield from self._hand_stop(*place)
+            if self.final is not None and self.final.is_enough(step.estimate):
+                return
+            step = yield from self._final_stop(step, place)
 
     def measure_anew(self, *, part_moved: bool) -> Generator[FetchStep, None, FetchStep]:
         """Make the first hand stops again.
@@ -255,13 +260,27 @@ class Fetch:
                 break
         return stands
 
-    def _line_up(self, step: FetchStep) -> Iterator[FetchStep]:
+    def _line_up(self, step: FetchStep) -> Generator[FetchStep, None, FetchStep]:
         """Drive until the hand is over the part at the first place of the sweep, as far as one can tell."""
         for _ in range(self.rules.max_line_ups):
             self.stand_over(step)
             step = yield from self._hand_stop(*self.rules.hand_sweep[0])
             if np.linalg.norm(step.estimate.centre_m - self.rules.hand_point_m) <= self.rules.lined_up_m:
-                return
+                break
+        return step
+
+    def _final_stop(self, step: FetchStep, place: tuple[float, float, float]) -> Generator[FetchStep, None, FetchStep]:
+        """Stop where it would tell most; at a place of the sweep if nobody chooses."""
+        chosen = None
+        if self.final is not None:
+            chosen = self.final.choose(step.configuration, step.estimate, step.observation.part)
+        if chosen is None:
+            return (yield from self._hand_stop(*place))
+        if chosen.base != step.configuration.base:
+            self.drive(step.observation, step.configuration.base.inverse() @ chosen.base)
+        self._joints = chosen.joints
+        self.device.move_arm(self._joints)
+        return (yield from self._stop("localise"))
 
     def _hand_stop(self, dx_m: float, dy_m: float, yaw_rad: float) -> Generator[FetchStep, None, FetchStep]:
         """Move the hand to a place of the sweep and stop there."""

@@ -110,7 +110,7 @@ def fetch(
         ).in_scene(scene="room_nlos" if occluded else scene or "room_los", others=near)  # fmt: skip
         task = FetchTask(
             robot=load_robot(robot), part=wanted[0], tags=tags, localizer=how.localizer, seed=seed,
-            radio=how.radio, meter=how.meter, near=how.near, sigma=sigma,
+            radio=how.radio, meter=how.meter, near=how.near, active_stops=how.active_stops, sigma=sigma,
         )  # fmt: skip
         asked: dict[str, object] = {"command": "fetch", "part": part, "mode": mode.value, "seed": seed, "tags": tags,
                  "estimator": estimator, "proximity": proximity, "scene": scene, "occluded": occluded,

@@ -19,7 +19,8 @@ class Mode(StrEnum):
 
     `paper`: one straight far track of a bistatic 920 MHz rig, PinIt's profiles and DTW, Eq. 8 with the ε schedule and
     its analytic centre, moves of D/2, a window of three motions and two metres [Wang2013]. `best`: the same radio
-    along an L that comes near the part once the robot has come near it, near-field images, the posterior.
+    along legs that come near the part once the robot has come near it, near-field images, the posterior, and last stops
+    where they tell most.
     """
 
     PAPER = "paper"
@@ -35,12 +36,14 @@ class FetchMode:
         meter: Measures proximities; None where there is no radio.
         localizer: Finds the part.
         near: How the antenna comes near the part; None if it drives one track always.
+        active_stops: Whether the last stops are chosen by what they would tell.
     """
 
     radio: RadioSetup | None
     meter: ProximityMeter | None
     localizer: Localizer
     near: NearTrack | None = None
+    active_stops: bool = False
 
     def in_scene(self, **changes: Any) -> "FetchMode":  # noqa: ANN401 - fields of the radio
         """Return the mode with other fields of its radio, such as the scene."""
@@ -66,4 +69,10 @@ def fetch_mode(mode: Mode, proximity: str | None = None, localizer: Localizer | 
     if paper:
         own = PartitionLocalizer(centre="analytic")
         return FetchMode(radio=PAPER_RADIO, meter=meter(kind), localizer=localizer or own)
-    return FetchMode(radio=BEST_RADIO, meter=meter(kind), localizer=localizer or PosteriorLocalizer(), near=NearTrack())
+    return FetchMode(
+        radio=BEST_RADIO,
+        meter=meter(kind),
+        localizer=localizer or PosteriorLocalizer(),
+        near=NearTrack(),
+        active_stops=True,
+    )

@@ -25,7 +25,7 @@ def fetch_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str,
     robot, part = robot_and_part()
     task = FetchTask(
         robot=robot, part=part, tags=int(str(cell["tags"])), localizer=how.localizer, seed=seed, radio=how.radio,
-        meter=how.meter, near=how.near,
+        meter=how.meter, near=how.near, active_stops=how.active_stops,
     )  # fmt: skip
     stops, trials, ended = list[JudgedStep](), list[GraspTrial](), "answered"
     job = SimulatedFetch(task)
@@ -70,8 +70,8 @@ FETCHES = Study(
     title="Fetching a table leg by radio",
     kind="simulated",
     factors={"sight": tuple(SCENES), "way": tuple(_WAYS), "tags": (1, 2, 4)},
-    seeds=range(1000, 1030),
-    tuning_seeds=range(20),
+    seeds=range(1000, 1100),
+    tuning_seeds=range(44),
     trial=fetch_trial,
     metrics=(
         Metric("answered", (SHARE,), "bool", "runs with an answer", "%", 100.0, 0),

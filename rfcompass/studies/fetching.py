@@ -9,7 +9,10 @@ import numpy as np
 from planners.antenna_track import NearTrack
 from planners.drive_around import DriveAround, KnownStart, MapPose, RadioPose
 from planners.fetch import Fetch, FetchRules, FetchStep
+from planners.final_stops import FinalStops
 from planners.grasp import GraspPlanner
+from planners.hand_stops import HandStops
+from planners.motion_check import MotionChecker
 from planners.near_antenna import NearAntenna
 from planners.pick_up import GraspTrial, PickUp
 from rfcompass.arrays import FloatArray
@@ -17,7 +20,7 @@ from rfcompass.errors import InputError
 from rfcompass.evaluation.metrics import angle_error_rad, position_error_m
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.interfaces import Localizer, ProximityMeter
-from rfcompass.robots import Robot
+from rfcompass.robots import CollisionModel, QuickCollisions, Robot
 from rfcompass.simulation import (
     CameraRig,
     MotionCapture,
@@ -35,7 +38,7 @@ from rfcompass.studies.study import trial_rng
 from rfcompass.types.parts import Part
 from rfcompass.types.scene import Scene
 from rfcompass.types.tags import TagLayout
-from rfcompass.types.world import world_of_scene
+from rfcompass.types.world import World, world_of_scene
 
 SCAN_POSTURE = "scan"
 
@@ -57,6 +60,7 @@ class FetchTask:
         sigma: Noise of the distances where there is no radio: standard deviation of log m.
         slip: How far the wheels slip.
         near: How the antenna's carrier comes near the part; None if it drives the radio's legs always.
+        active_stops: Whether the last stops are chosen by what they would tell.
         map_pose: How the robot knows where it stands on a map of the room, to drive around what stands there:
             `"radio"` (its own tags), `"start"` (told at the start, then odometry), `"cameras"`; None to drive straight.
         cameras: Find the part by motion capture in place of the radio, whose room it then is.
@@ -74,6 +78,7 @@ class FetchTask:
     sigma: float = 0.05
     slip: WheelSlip = field(default_factory=WheelSlip)
     near: NearTrack | None = None
+    active_stops: bool = False
     map_pose: Literal["radio", "start", "cameras"] | None = None
     cameras: bool = False
 
@@ -130,8 +135,8 @@ class SimulatedFetch:
         if where is not None and self._scene is not None:
             world, searches = world_of_scene(self._scene), trial_rng("drive", task.seed)
             around = DriveAround(task.robot, world, where, searches, DRIVE_AREA_M)
-        start = task.robot.posture(SCAN_POSTURE)
-        self._loop = Fetch(task.robot, self._device, localizer, start, rules, task.meter, antenna, around)
+        start, final = task.robot.posture(SCAN_POSTURE), _final_stops(task.robot) if task.active_stops else None
+        self._loop = Fetch(task.robot, self._device, localizer, start, rules, task.meter, antenna, around, final)
 
     @property
     def scene(self) -> Scene | None:
@@ -222,6 +227,12 @@ class SimulatedFetch:
             None if theta_rad is None else float(np.asarray(angle_error_rad(theta_rad, truth.theta_rad))),
             self._device.true_pose_in_room(),
         )
+
+
+def _final_stops(robot: Robot) -> FinalStops:
+    """Hand poses without drives: the part stays under the hand."""
+    proposer = HandStops(robot=robot, drive_m=0.0, turn_rad=0.0)
+    return FinalStops(robot, proposer, MotionChecker(QuickCollisions(CollisionModel(robot, World()))))
 
 
 def furnish(task: FetchTask, others: Sequence[Part] = ()) -> SimulatedRobot:
