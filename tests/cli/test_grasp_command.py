@@ -72,6 +72,15 @@ def test_no_grasp_is_exit_1_with_the_reason_and_what_was_tried(run, tmp_path, ch
         assert ran.json["reasons"]["unreachable"] > 0
 
 
+def test_a_robot_by_name_grasps_too(run, tmp_path):
+    folder = stored(tmp_path / "run", samples=False, centre_m=[0.5, 0.0], theta_rad=1.5708)
+    ran = run("grasp", folder, "--robot", "ur5e_2f85", "--json")
+    assert ran.code == 0, ran.err
+    assert ran.json["joint_names"][0] == "shoulder_pan_joint"
+    assert ran.json["defects"] == []
+    assert ran.json["aperture_m"] == pytest.approx(0.085)
+
+
 VAGUE = {"covariance": np.diag([1.2e-2**2, 1.2e-2**2, np.deg2rad(6.0) ** 2]).tolist()}
 GOOD = {
     "alpha_m": 0.01,
