@@ -8,11 +8,13 @@ import typer
 
 from rfcompass.arrays import plain
 from rfcompass.cli.grasp_advice import advice_json, advice_line, with_advice
-from rfcompass.cli.grasp_json import grasp_failure_json, plan_json
+from rfcompass.cli.grasp_json import grasp_failure_json, plan_json, world_around
 from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, messages, print_json, print_table
 
 if TYPE_CHECKING:
-    from rfcompass.types import GraspFailure, GraspPlan, Part, PartEstimate, World
+    from rfcompass.recordings import PlanSetting
+    from rfcompass.types import GraspFailure, GraspPlan, Part, PartEstimate
+    from rfcompass.types.scene import Scene
 
 
 def grasp_command(
@@ -44,6 +46,8 @@ def grasp_command(
 
     from planners.grasp import GraspPlanner, GraspRules
     from rfcompass.errors import InputError
+    from rfcompass.geometry import Pose2
+    from rfcompass.recordings import PlanSetting
     from rfcompass.robots import load_robot
     from rfcompass.types import GraspPlan
     from rfcompass.viz.grasp_view import view
@@ -55,7 +59,8 @@ def grasp_command(
         machine = load_robot(robot)
         posture = None if start is None else machine.posture(start)
         planner = GraspPlanner(machine, rules=GraspRules(drive=drive))
-        around = _world(scene, base)
+        setting = PlanSetting(robot, _read_scene(scene), Pose2(*base))
+        around = world_around(setting)
         answer = planner.plan(wanted, seen, around, posture, np.random.default_rng(seed))
         if measure_again and isinstance(answer, GraspPlan):
             rng = np.random.default_rng(seed)
@@ -64,7 +69,7 @@ def grasp_command(
         if drawn is not None and page is not None:
             messages().print(f"page: {drawn.save(page)}", markup=False)
         if isinstance(answer, GraspPlan):
-            _hand_out(answer, out, as_json=as_json, advised=measure_again)
+            _hand_out(answer, setting, out, as_json=as_json, advised=measure_again)
         else:
             _say_why(answer, as_json=as_json)
         if drawn is not None and show:
@@ -86,11 +91,11 @@ def _asked(estimate: Path, part: str | None, database: Path | None) -> tuple["Pa
     return wanted, read_estimate(estimate, height_m=wanted.resting_height_m)
 
 
-def _hand_out(plan: "GraspPlan", out: Path | None, *, as_json: bool, advised: bool) -> None:
+def _hand_out(plan: "GraspPlan", setting: "PlanSetting", out: Path | None, *, as_json: bool, advised: bool) -> None:
     """Write and print a plan."""
     from rfcompass.files import write_text_atomic
 
-    found = plan_json(plan) | ({"measure_again": advice_json(plan.advice)} if advised else {})
+    found = plan_json(plan, setting) | ({"measure_again": advice_json(plan.advice)} if advised else {})
     if out is not None:
         write_text_atomic(out, json.dumps(plain(found), allow_nan=False, indent=2) + "\n")
     if as_json:
@@ -101,21 +106,18 @@ def _hand_out(plan: "GraspPlan", out: Path | None, *, as_json: bool, advised: bo
         typer.echo(advice_line(plan))
 
 
-def _world(scene: Path | None, base: tuple[float, float, float]) -> "World":
-    """What stands around, in the present base frame."""
+def _read_scene(file: Path | None) -> "Scene | None":
+    """What stands around, in its own frame."""
     from rfcompass.errors import SceneError
-    from rfcompass.geometry import Pose2
-    from rfcompass.robots.collision_model import homogeneous
-    from rfcompass.types import World, world_of_scene
     from rfcompass.types.scene_json import scene_from_json
 
-    if scene is None:
-        return World()
+    if file is None:
+        return None
     try:
-        content: Any = json.loads(scene.read_text(encoding="utf-8"))
+        content: Any = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as cause:
-        raise SceneError(f"{scene}: cannot be read as JSON: {cause}", file=str(scene)) from cause
-    return world_of_scene(scene_from_json(content), homogeneous(Pose2(*base).inverse()))
+        raise SceneError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
+    return scene_from_json(content)
 
 
 def _say_why(failure: "GraspFailure", *, as_json: bool) -> None:
