@@ -27,7 +27,7 @@ from rfcompass.types.record import Record
 Use = Literal["auto", "distances", "comparisons"]
 HEIGHT_STEP_M = 0.02  # ours
 IMAGED = frozenset({"sar_nearfield"})  # meters that take stated heights for granted
-IMAGE_STEP_M = 0.05  # ours: 1.2 m from a path 0.3 m higher, a place moves by 1 cm when the height does by that
+IMAGE_STEP_M = 0.05  # ours: a tag seems to move by 1 to 3 mm when its height is stated that much lower
 LARGEST_BORDER_SHARE = 0.45  # ours; 0.36 where nothing is known
 LARGEST_MARGIN_M = 10.0  # ours, the size of a room; bounds follow distances up to here
 TEMPERING = 0.5  # ours, between the 0.4 and 1.0 that calibrated comparisons from one stop in a simulated room
