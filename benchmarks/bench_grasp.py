@@ -9,6 +9,8 @@ present posture, python-fcl for collisions at the grasp, and the chance of those
 with fcl, the hand's boxes swept down upon the part. It plans no motion and looks at no way there. Both grasps are then
 judged by the same judge, with the hand exactly where it is sent.
 
+The last row is a leg between walls and under a lid: how long until each says that there is no grasp.
+
     OMP_NUM_THREADS=1 python -m benchmarks.bench_grasp [--fast]
 """
 
@@ -30,7 +32,7 @@ from rfcompass.arrays import FloatArray
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import CollisionModel, FclCollisions, YouBot
 from rfcompass.robots.hand import hand_of
-from rfcompass.types import Body, GraspPlan, Part, PartEstimate, World
+from rfcompass.types import Body, Box, GraspPlan, Part, PartEstimate, World
 
 ROBOT = YouBot()
 SCAN, HAND, TOOL = ROBOT.posture("scan"), hand_of(ROBOT), ROBOT.tool
@@ -55,7 +57,38 @@ def run(fast: bool = False, seed: int = 41) -> list[Timing]:
         rows.append(
             Timing(f"leg {name}, all motions: holds {ours:.2f}", ours_s, f"6-D IK + fcl: {found}", peer_s, np.nan)
         )
-    return rows
+    return [*rows, blocked(leg, fast, seed)]
+
+
+def blocked(leg: Part, fast: bool, seed: int) -> Timing:
+    """Time until it is said that a leg between walls and a lid cannot be grasped; the peer finds nothing either."""
+    estimate = seen(leg, np.array([0.42, 0.03, 1.4]), 100 if fast else 1000, seed)
+    planner, world = GraspPlanner(ROBOT, rules=GraspRules(samples=len(estimate.samples))), enclosed(leg, estimate)
+    planner.plan(leg, estimate, world)
+    ours_s, failure = best_of(1 if fast else 10, lambda: planner.plan(leg, estimate, world))
+    start = time.process_time()
+    theirs = peer(leg, estimate, np.random.default_rng(seed), 10 if fast else POINTS, world)
+    peer_s = time.process_time() - start
+    ours = "a grasp" if isinstance(failure, GraspPlan) else failure.kind
+    found = "no grasp" if theirs is None else "a grasp"
+    return Timing(f"leg enclosed, also from elsewhere: {ours}", ours_s, f"6-D IK + fcl: {found}", peer_s, np.nan)
+
+
+def enclosed(leg: Part, estimate: PartEstimate) -> World:
+    """Four walls and a lid, each 1 cm from the leg: there is no grasp, from nowhere."""
+    (length, width, height), gap, thick = map(float, leg.size_m), 0.01, 0.02
+    long_m, wide_m, high_m = length + 2 * (gap + thick), width + 2 * (gap + thick), height + gap
+    beside, before = (width + thick) / 2 + gap, (length + thick) / 2 + gap
+    rows = [((long_m, thick, high_m), (0.0, side * beside, (high_m - height) / 2)) for side in (-1, 1)] + [
+        ((thick, wide_m, high_m), (side * before, 0.0, (high_m - height) / 2)) for side in (-1, 1)
+    ]
+    rows.append(((long_m, wide_m, thick), (0.0, 0.0, gap + (height + thick) / 2)))
+    bodies = []
+    for i, (size_m, place) in enumerate(rows):
+        T = np.eye(4)
+        T[:3, 3] = place
+        bodies.append(Body(f"wall {i}", Box(np.array(size_m)), pose_of(estimate) @ T))
+    return World(tuple(bodies))
 
 
 def seen(leg: Part, mean: FloatArray, count: int, seed: int) -> PartEstimate:
@@ -72,11 +105,13 @@ def judged(leg: Part, estimate: PartEstimate, T_base_hand: FloatArray) -> float:
     return success_probability(HAND, leg, T_base_hand, estimate.samples, estimate.height_m).probability
 
 
-def peer(leg: Part, estimate: PartEstimate, rng: np.random.Generator, points: int) -> FloatArray | None:
+def peer(
+    leg: Part, estimate: PartEstimate, rng: np.random.Generator, points: int, around: World | None = None
+) -> FloatArray | None:
     """The pose of the hand that holds most of the samples, among those that can be reached; None if none can."""
     T_base_part = pose_of(estimate)
     body = Body(leg.part_id, leg.shape, T_base_part)
-    judge = FclCollisions(CollisionModel(ROBOT, World((body,))))
+    judge = FclCollisions(CollisionModel(ROBOT, World((*(around or World()).bodies, body))))
     solve = damped_least_squares()
     reached = []
     for T_part_hand in sampled_grasps(leg, rng, points):

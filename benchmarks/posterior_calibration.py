@@ -58,7 +58,14 @@ Judged = tuple[bool, bool, float, float, float]
 
 def stops_of(seed: int, scene: str, noise: str, near: bool, metal: bool, tags: int) -> tuple[list[Observation], Pose2]:
     """Five stops with their proximities, and where the part truly lies in the base frame."""
-    rng, (robot, part), ear = trial_rng("posterior", seed), robot_and_part(), meter("sar_nearfield")
+    ear = meter("sar_nearfield")
+    stops, truth = scans_of(seed, scene, noise, near, metal, tags)
+    return [replace(heard, proximity=measure_proximities(heard, ear), scan=Scan()) for heard in stops], truth
+
+
+def scans_of(seed: int, scene: str, noise: str, near: bool, metal: bool, tags: int) -> tuple[list[Observation], Pose2]:
+    """Five stops with what was read at each, and where the part truly lies in the base frame."""
+    rng, (robot, part) = trial_rng("posterior", seed), robot_and_part()
     room = room_with_hand_over_part(rng)
     radio = RadioSetup(scene=scene, rig=replace(RIG_PAPER, noise=NOISES[noise]))
     if near:
@@ -74,8 +81,7 @@ def stops_of(seed: int, scene: str, noise: str, near: bool, metal: bool, tags: i
     device = SimulatedRobot(robot, part, part.layout(tags), room, rng, joints[0], sensor)
     for posture in joints:
         device.move_arm(posture)
-        heard = device.scan()
-        stops.append(replace(heard, proximity=measure_proximities(heard, ear), scan=Scan()))
+        stops.append(device.scan())
     return stops, device.true_pose_in_base()
 
 

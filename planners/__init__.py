@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from planners.grasp import GraspPlanner as GraspPlanner
     from planners.grasp import GraspRules as GraspRules
     from planners.grasp_stages import StageRules as StageRules
+    from planners.hand_stops import FreeStops as FreeStops
+    from planners.hand_stops import HandStops as HandStops
     from planners.ik import IkRules as IkRules
     from planners.ik import InverseKinematics as InverseKinematics
     from planners.measure_again import AgainRules as AgainRules
@@ -41,9 +43,11 @@ _HOME = {
     "AgainRules": "measure_again",
     "AntipodalRules": "antipodal",
     "BasePlacement": "base_placement",
+    "FreeStops": "hand_stops",
     "GraspChance": "success",
     "GraspPlanner": "grasp",
     "GraspRules": "grasp",
+    "HandStops": "hand_stops",
     "IkRules": "ik",
     "InverseKinematics": "ik",
     "MapMaker": "reachability",
@@ -72,9 +76,11 @@ __all__ = [
     "AgainRules",
     "AntipodalRules",
     "BasePlacement",
+    "FreeStops",
     "GraspChance",
     "GraspPlanner",
     "GraspRules",
+    "HandStops",
     "IkRules",
     "InverseKinematics",
     "MapMaker",

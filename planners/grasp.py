@@ -181,6 +181,9 @@ class GraspPlanner:
         if isinstance(tries, Failure):
             return failed(tries, ())
         rows = self._ranking.place(question, self._grasps_of(question))
+        for row in rows:
+            if row.is_open and (in_the_way := stages.blocked(row.T_base_hand)) is not None:
+                row.reject(in_the_way)
         for count, row in enumerate(self._ranking.in_order(question, rows, tries)):
             if (why_not := self._not_worth_it(row, count, most_tries)) is not None:
                 row.reject(why_not)

@@ -1,7 +1,8 @@
 """Where the base must drive first, for a part that the arm does not get to from here.
 
 With a map of what the arm can do the place comes from `best_base_pose`, which weighs the whole estimate; without one
-the inverse kinematics lets the base drive along, for the grasp of the part that its shape speaks for most.
+the inverse kinematics lets the base drive along, for the grasp of the part that its shape speaks for most. Grasps where
+something stands in the place of the hand are left out: they can be done from nowhere.
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,6 +11,7 @@ import numpy as np
 
 from planners.base_placement import BasePlacement, PartGrasp, best_base_pose
 from planners.grasp_question import GraspQuestion
+from planners.hand_blocked import hand_blocked
 from planners.ik import IkRules, InverseKinematics
 from planners.task_map import TaskMap
 from rfcompass.geometry.pose2 import Pose2
@@ -42,10 +44,15 @@ def places_to_drive_to(
         opened: Joints while it drives, hand open.
         rng: Thins the samples of the estimate.
     """
-    above = sorted((row for row in listed if _is_from_above(row, robot)), key=_score, reverse=True)[:_GRASPS]
+    model = CollisionModel(robot, question.world)
+    blocked = hand_blocked(model, opened, question.part.part_id)
+    above = [
+        row
+        for row in sorted((row for row in listed if _is_from_above(row, robot)), key=_score, reverse=True)
+        if blocked(question.T_base_part @ row.T_part_hand) is None
+    ][:_GRASPS]
     if not above:
         return
-    model = CollisionModel(robot, question.world)
     if task_map is not None:
         grasps = [_part_grasp(row, robot, question.estimate.height_m) for row in above]
         found = best_base_pose(

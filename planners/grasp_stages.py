@@ -17,6 +17,7 @@ import numpy as np
 from planners.arm_path import plan_arm
 from planners.certificates import certify
 from planners.grasp_worlds import GraspWorlds, start_failure
+from planners.hand_blocked import hand_blocked
 from planners.hand_joints import HandJoints
 from planners.ik import IkRules, InverseKinematics
 from planners.margins import with_margin
@@ -147,6 +148,7 @@ class StagePlanner:
         same = self._reaching is self._worlds.standing
         self._reach_checker = MotionChecker(self._ik.collisions if same else QuickCollisions(self._reaching))
         shared = (self._worlds.standing, self._worlds.closing, self._reaching)
+        self._hand_blocked = hand_blocked(self._worlds.standing, self.opened(self.hand.greatest_m), self.part_name)
         self._fcl = {id(model): FclCollisions(model) for model in shared}
 
     @property
@@ -157,6 +159,10 @@ class StagePlanner:
     def opened(self, opening_m: float) -> Configuration:
         """The start with the hand open."""
         return self.joints.at_opening(self._start, self.hand, opening_m)
+
+    def blocked(self, T_base_hand: FloatArray) -> Failure | None:
+        """Why a grasp cannot be done whatever the arm does: something stands where the open hand would be."""
+        return self._hand_blocked(T_base_hand)
 
     def plan(self, T_base_hand: FloatArray, opening_m: float) -> Stages | Failure:
         """Plan all motions of one grasp.

@@ -1,6 +1,7 @@
 """Stops with the hand over the floor before the base: a stand-in until grasp planning offers its own.
 
-It checks joint limits and a keep-out box, and knows neither self-collision nor obstacles.
+It checks joint limits and a keep-out box, and knows neither self-collision nor obstacles: `FreeStops` leaves out the
+stops at which something touches.
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,8 @@ from planners.hand_over import hand_over
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import OutOfReach
 from rfcompass.geometry.pose2 import Pose2
-from rfcompass.robots import Robot
+from rfcompass.interfaces import StopProposer
+from rfcompass.robots import QuickCollisions, Robot
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.stops import ProposedStop
 
@@ -29,11 +31,11 @@ class HandStops:
     drives and their number are ours.
 
     Attributes:
-        robot: A robot with a tool and a base that drives.
+        robot: A robot with a tool and a posture "scan"; a base that is bolted down is left where it is.
         low_m: Least x, y of the hand in the base frame [m].
         high_m: Largest x, y [m].
         height_m: Height of the tool over the floor [m].
-        count: Number of stops; half of them without a drive.
+        count: Number of stops; half of them without a drive, all if the base does not drive.
         drive_m: Longest drive along x and along y [m].
         turn_rad: Largest turn of the base [rad].
         keep_out_m: Rectangle [[xmin, xmax], [ymin, ymax]] that the base's centre must not enter [m], in the frame of
@@ -57,7 +59,7 @@ class HandStops:
         rng = np.random.default_rng(self.seed)
         found = []
         for index, joints in enumerate(hands):
-            motion = Pose2() if index % 2 == 0 else self._drive(rng)
+            motion = self._drive(rng) if index % 2 and self.robot.is_mobile else Pose2()
             base = configuration.base @ motion
             if not self._kept_out(base):
                 seconds = max(self._arm_seconds(configuration.joints, joints), _drive_seconds(motion))
@@ -78,6 +80,24 @@ class HandStops:
         speed = self.robot.limits.velocity
         moving = np.isfinite(speed) & (speed > 0)
         return float((np.abs(after - before)[moving] / speed[moving]).max(initial=0.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeStops:
+    """Those of another's stops at which nothing touches; the ways there are not looked at (`StopProposer`).
+
+    Attributes:
+        proposer: Who offers.
+        collisions: Robot and world, in the frame of the configurations.
+    """
+
+    proposer: StopProposer
+    collisions: QuickCollisions
+
+    def candidates(self, configuration: Configuration) -> Sequence[ProposedStop]:
+        """List stops, in the frame of the configuration's base."""
+        offered = self.proposer.candidates(configuration)
+        return [stop for stop in offered if not self.collisions.collides(stop.configuration)]
 
 
 def _drive_seconds(motion: Pose2) -> float:

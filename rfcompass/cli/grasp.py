@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rfcompass.arrays import plain
-from rfcompass.cli.grasp_json import grasp_failure_json, plan_json
+from rfcompass.cli.grasp_advice import advice_json, advice_line, with_advice
+from rfcompass.cli.grasp_json import grasp_failure_json, plan_json, world_around
 from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, messages, print_json, print_table
 
 if TYPE_CHECKING:
-    from rfcompass.types import GraspFailure, GraspPlan, World
+    from rfcompass.recordings import PlanSetting
+    from rfcompass.types import GraspFailure, GraspPlan, Part, PartEstimate
+    from rfcompass.types.scene import Scene
 
 
 def grasp_command(
@@ -24,6 +27,12 @@ def grasp_command(
     ] = (0.0, 0.0, 0.0),
     start: Annotated[str | None, typer.Option(help="Posture to start from; scan, or at rest, by default.")] = None,
     drive: Annotated[bool, typer.Option(help="Drive first, if the part is out of reach.")] = False,
+    measure_again: Annotated[
+        bool, typer.Option("--measure-again", help="Say whether another stop would raise the chance; takes seconds.")
+    ] = False,
+    tags: Annotated[
+        int | None, typer.Option(min=1, help="Of --measure-again: tags heard on the part, by default the most it has.")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of samples and searches.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write the plan to this JSON file.")] = None,
     page: Annotated[Path | None, typer.Option(help="Draw the plan, or what was tried, into this HTML file.")] = None,
@@ -36,8 +45,9 @@ def grasp_command(
     import numpy as np
 
     from planners.grasp import GraspPlanner, GraspRules
-    from rfcompass.errors import EstimateError, InputError
-    from rfcompass.recordings import PartDatabase, read_estimate
+    from rfcompass.errors import InputError
+    from rfcompass.geometry import Pose2
+    from rfcompass.recordings import PlanSetting
     from rfcompass.robots import load_robot
     from rfcompass.types import GraspPlan
     from rfcompass.viz.grasp_view import view
@@ -45,22 +55,21 @@ def grasp_command(
     with answering(as_json):
         if out is not None and out.exists() and not overwrite:
             raise InputError(f"{out} is there already; --overwrite replaces it", file=str(out))
-        seen = read_estimate(estimate, height_m=0.0)  # only for the part's name: it knows how high it lies
-        if part is not None and part != seen.part_id:
-            raise EstimateError(f"{estimate}: is about {seen.part_id}, not {part}", file=str(estimate), key="part")
-        with PartDatabase(database) as parts:
-            wanted = parts.part(seen.part_id)
-        seen = read_estimate(estimate, height_m=wanted.resting_height_m)
+        wanted, seen = _asked(estimate, part, database)
         machine = load_robot(robot)
         posture = None if start is None else machine.posture(start)
         planner = GraspPlanner(machine, rules=GraspRules(drive=drive))
-        around = _world(scene, base)
+        setting = PlanSetting(robot, _read_scene(scene), Pose2(*base))
+        around = world_around(setting)
         answer = planner.plan(wanted, seen, around, posture, np.random.default_rng(seed))
+        if measure_again and isinstance(answer, GraspPlan):
+            rng = np.random.default_rng(seed)
+            answer = with_advice(answer, (wanted, seen, around), machine, posture, tags, rng)
         drawn = view(machine, seen, answer, part=wanted, world=around, at=posture) if page or show else None
         if drawn is not None and page is not None:
             messages().print(f"page: {drawn.save(page)}", markup=False)
         if isinstance(answer, GraspPlan):
-            _hand_out(answer, out, as_json=as_json)
+            _hand_out(answer, setting, out, as_json=as_json, advised=measure_again)
         else:
             _say_why(answer, as_json=as_json)
         if drawn is not None and show:
@@ -69,34 +78,46 @@ def grasp_command(
             raise typer.Exit(EXIT_NO_ANSWER)
 
 
-def _hand_out(plan: "GraspPlan", out: Path | None, *, as_json: bool) -> None:
+def _asked(estimate: Path, part: str | None, database: Path | None) -> tuple["Part", "PartEstimate"]:
+    """The part that an estimate is about, and where that seems to lie."""
+    from rfcompass.errors import EstimateError
+    from rfcompass.recordings import PartDatabase, read_estimate
+
+    seen = read_estimate(estimate, height_m=0.0)  # only for the part's name: it knows how high it lies
+    if part is not None and part != seen.part_id:
+        raise EstimateError(f"{estimate}: is about {seen.part_id}, not {part}", file=str(estimate), key="part")
+    with PartDatabase(database) as parts:
+        wanted = parts.part(seen.part_id)
+    return wanted, read_estimate(estimate, height_m=wanted.resting_height_m)
+
+
+def _hand_out(plan: "GraspPlan", setting: "PlanSetting", out: Path | None, *, as_json: bool, advised: bool) -> None:
     """Write and print a plan."""
     from rfcompass.files import write_text_atomic
 
-    found = plan_json(plan)
+    found = plan_json(plan, setting) | ({"measure_again": advice_json(plan.advice)} if advised else {})
     if out is not None:
         write_text_atomic(out, json.dumps(plain(found), allow_nan=False, indent=2) + "\n")
     if as_json:
         print_json(found)
-    else:
-        _show(plan)
+        return
+    _show(plan)
+    if advised:
+        typer.echo(advice_line(plan))
 
 
-def _world(scene: Path | None, base: tuple[float, float, float]) -> "World":
-    """What stands around, in the present base frame."""
+def _read_scene(file: Path | None) -> "Scene | None":
+    """What stands around, in its own frame."""
     from rfcompass.errors import SceneError
-    from rfcompass.geometry import Pose2
-    from rfcompass.robots.collision_model import homogeneous
-    from rfcompass.types import World, world_of_scene
     from rfcompass.types.scene_json import scene_from_json
 
-    if scene is None:
-        return World()
+    if file is None:
+        return None
     try:
-        content: Any = json.loads(scene.read_text(encoding="utf-8"))
+        content: Any = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as cause:
-        raise SceneError(f"{scene}: cannot be read as JSON: {cause}", file=str(scene)) from cause
-    return world_of_scene(scene_from_json(content), homogeneous(Pose2(*base).inverse()))
+        raise SceneError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
+    return scene_from_json(content)
 
 
 def _say_why(failure: "GraspFailure", *, as_json: bool) -> None:

@@ -3,15 +3,33 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rfcompass.types import GraspCandidate, GraspFailure, GraspPlan, StageCertificate, TimedPath
+    from rfcompass.recordings import PlanSetting
+    from rfcompass.types import GraspCandidate, GraspFailure, GraspPlan, StageCertificate, TimedPath, World
 
 
-def plan_json(plan: "GraspPlan") -> dict[str, Any]:
-    """Return a plan; arrays stay arrays. Everything is in the base frame at the grasp, [m, rad, s]."""
+def world_around(setting: "PlanSetting") -> "World":
+    """What stands around, in the base frame before any drive."""
+    from rfcompass.robots.collision_model import homogeneous
+    from rfcompass.types import World, world_of_scene
+
+    return World() if setting.scene is None else world_of_scene(setting.scene, homogeneous(setting.base.inverse()))
+
+
+def plan_json(plan: "GraspPlan", setting: "PlanSetting") -> dict[str, Any]:
+    """Return a plan and what it was made for; arrays stay arrays.
+
+    Everything is in the base frame at the grasp, [m, rad, s]; but `drive_to` is in the base frame before the drive, and
+    `base`, where that frame is, in the scene's.
+    """
+    from rfcompass.types.scene_json import scene_to_json
+
     names = plan.stages[0].names if plan.stages else ()
     solution = plan.solution
     return {
         "part": plan.part_id,
+        "robot": setting.robot,
+        "scene": None if setting.scene is None else scene_to_json(setting.scene),
+        "base": [setting.base.x_m, setting.base.y_m, setting.base.theta_rad],
         "success_probability": plan.success_probability,
         "success_sd": plan.success_sd,
         "risks": dict(plan.risks),

@@ -31,7 +31,7 @@ def list_robots(as_json: JsonFlag = False) -> None:
 
 @robots_app.command("check")
 def check(
-    urdf: Annotated[Path, typer.Argument(help="URDF file.")],
+    urdf: Annotated[Path, typer.Argument(help="URDF file; or a robot by name.")],
     package_dir: Annotated[list[Path] | None, typer.Option(help="Where package:// paths lead; repeat.")] = None,
     frame: Annotated[list[str] | None, typer.Option(help="Link that must exist; may be repeated.")] = None,
     as_json: JsonFlag = False,
@@ -40,7 +40,8 @@ def check(
     from rfcompass.robots import check_urdf
 
     with answering(as_json):
-        report = check_urdf(urdf, package_dir or (), frame or ())
+        file, named = _urdf_of(urdf)
+        report = check_urdf(file, package_dir or (), (*named, *(frame or ())))
         found = [(defect.severity, defect.kind, defect.where, defect.message) for defect in report.defects]
         if as_json:
             keys = ("severity", "kind", "where", "message")
@@ -52,6 +53,17 @@ def check(
         messages().print(f"{report.name or report.file}: {summary}", markup=False)
         if not report.ok:
             raise typer.Exit(EXIT_BAD_INPUT)
+
+
+def _urdf_of(given: Path) -> tuple[Path, tuple[str, ...]]:
+    """A URDF, given as a file or by the name of a robot; and the links that the robot's description names."""
+    from rfcompass.robots import describe_robot, known_robots
+
+    if given.exists() or str(given) not in known_robots():
+        return given, ()
+    robot = describe_robot(str(given))
+    tool = () if robot.tool is None else (robot.tool.frame,)
+    return robot.urdf, tuple(name for name in (robot.base_frame, *tool, *robot.layout.frames) if name)
 
 
 @robots_app.command("tag")

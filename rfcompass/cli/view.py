@@ -13,12 +13,17 @@ if TYPE_CHECKING:
     from rfcompass.viz.grasp_view import View
     from rfcompass.viz.page import PagePart
 
+# Plans did not say whose they were; the command took this one.
+_OF_OLD_PLANS = "youbot"
+
 
 def view(
     path: Annotated[Path, typer.Argument(help="Trace or run folder, or the JSON file of a grasp plan.")],
     out: Annotated[Path | None, typer.Option(help="HTML file to write; PATH.html by default.")] = None,
     show: Annotated[bool, typer.Option(help="Open the page in a browser; a plan live, until Ctrl-C.")] = False,
-    robot: Annotated[str, typer.Option(help="Of a plan: the robot that it moves, by name or file.")] = "youbot",
+    robot: Annotated[
+        str | None, typer.Option(help="Of a plan: the robot that it moves, by name or file; by default what it says.")
+    ] = None,
     estimate: Annotated[
         Path | None, typer.Option(help="Of a plan: the estimate that it was made for; draws its samples.")
     ] = None,
@@ -41,17 +46,19 @@ def view(
             webbrowser.open(target.resolve().as_uri())
 
 
-def _plan_view(path: Path, robot: str, estimate: Path | None, database: Path | None) -> "View":
+def _plan_view(path: Path, robot: str | None, estimate: Path | None, database: Path | None) -> "View":
     """Draw a grasp plan."""
-    from rfcompass.recordings import PartDatabase, read_estimate, read_plan
+    from rfcompass.cli.grasp_json import world_around
+    from rfcompass.recordings import PartDatabase, read_estimate, read_plan, read_plan_setting
     from rfcompass.robots import load_robot
     from rfcompass.viz.grasp_view import view as draw
 
-    plan = read_plan(path)
+    plan, setting = read_plan(path), read_plan_setting(path)
     with PartDatabase(database) as parts:
         part = parts.part(plan.part_id)
     seen = None if estimate is None else read_estimate(estimate, height_m=part.resting_height_m)
-    return draw(load_robot(robot), seen, plan, part=part)
+    around = world_around(setting) if setting.scene is not None else None
+    return draw(load_robot(robot or setting.robot or _OF_OLD_PLANS), seen, plan, part=part, world=around)
 
 
 def _run_page(path: Path, out: Path | None) -> Path | None:

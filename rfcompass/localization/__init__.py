@@ -12,7 +12,7 @@ from rfcompass.localization.measure_more import MeasureMore, MoreAperture, measu
 from rfcompass.localization.measuring import measure_proximities
 from rfcompass.localization.nearest_tag import NearestTagLocalizer
 from rfcompass.localization.next_best_stop import StopScores, next_best_stop
-from rfcompass.localization.noise_model import NoiseModel
+from rfcompass.localization.noise_model import NoiseModel, noise_of
 from rfcompass.localization.partition import PartitionLocalizer
 from rfcompass.localization.partition_file import answer_partition
 from rfcompass.localization.partition_solver import PartitionSolution, solve_partition
@@ -70,6 +70,7 @@ __all__ = [
     "measure_proximities",
     "next_best_stop",
     "next_goal",
+    "noise_of",
     "recent_stops",
     "sar_image",
     "solve_partition",

@@ -8,6 +8,7 @@ import numpy as np
 from rfcompass.arrays import FloatArray
 from rfcompass.localization.noise_kernels import comparison_fits, distance_noise, own_fix_errors
 from rfcompass.localization.placed_stop import PlacedStop, place_labels
+from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.record import Record
 
 # All ours.
@@ -82,6 +83,21 @@ def fit_noise(stops: Sequence[PlacedStop]) -> NoiseModel:
         float(_SCALES_M[a]), float(_LAPSES[b]), int(d.size), rank_correlation(d, m),
         sum(right for _, _, right in fits) / count if count else float("nan"),
     )  # fmt: skip
+
+
+def noise_of(estimate: PartEstimate) -> NoiseModel | None:
+    """The noise that the posterior's diagnostics tell of; None where an estimate says nothing about it.
+
+    The noise of distances is that of the part's tags: raised by `noise_factor` where these fit worse than the robot's.
+    """
+    told = {name: value for name, value in estimate.diagnostics.items() if isinstance(value, int | float)}
+    factor = float(told.get("noise_factor", 1.0))
+    names = ("scale", "alpha_m", "beta", "bias_m", "comparison_m", "lapse", "rank_correlation")
+    values = {name: float(told[name]) for name in names if name in told}
+    if not {"alpha_m", "beta", "bias_m", "comparison_m"} <= set(values):
+        return None
+    values |= {"alpha_m": factor * values["alpha_m"], "beta": factor * values["beta"]}
+    return NoiseModel(**values, pairs=int(told.get("anchor_pairs", 0)))
 
 
 def rank_correlation(a: FloatArray, b: FloatArray) -> float:

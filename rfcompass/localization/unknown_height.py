@@ -1,4 +1,8 @@
-"""The pose of a part that lies on something: the same search at several heights, weighed by their evidence."""
+"""The pose of a part that lies on something: the same search at several heights, weighed by their evidence.
+
+Near-field images are made in the plane of a stated height, so what they measure is another thing at every height, and
+no evidence for one of them: the images are then made anew at each, and all heights stay as likely as they were.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,6 +16,7 @@ from rfcompass.localization.part_evidence import PartEvidence
 from rfcompass.localization.pose_inference import infer_pose, see_tags
 from rfcompass.localization.pose_posterior import PosePosterior
 from rfcompass.localization.pose_search import split_cells
+from rfcompass.types.observation import Observation
 
 _SPARE = 1e-6  # ours: cells of less probability than this beside the best are left out
 
@@ -66,6 +71,21 @@ def infer_lifted(
         message = f"no place inside {bounds_m.tolist()} m fits what was heard at any height"
         raise Infeasible(message, bounds_m=bounds_m.tolist(), rows=evidence.rows)
     return _joined(found, heights), trusted[at]
+
+
+def raised(observations: Sequence[Observation], lift_m: float) -> list[Observation]:
+    """The same stops, with the part stated to lie higher by so much [m]."""
+    return [replace(stop, part_tag_heights_m=stop.part_tag_heights_m + lift_m) for stop in observations]
+
+
+def mixed(found: Sequence[PosePosterior], lifts_m: Sequence[float]) -> PosePosterior:
+    """Join posteriors of several heights, every height as likely as any other: p(z) = mean_h p(z | h).
+
+    Args:
+        found: One for each height.
+        lifts_m: How much higher than stated the part lies in each [m].
+    """
+    return _joined([replace(one, log_evidence=0.0) for one in found], lifts_m)
 
 
 def _joined(found: Sequence[PosePosterior], lifts_m: Sequence[float]) -> PosePosterior:

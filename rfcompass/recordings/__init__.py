@@ -15,7 +15,7 @@ from rfcompass.recordings.sllurp_csv import import_sllurp
 from rfcompass.recordings.spool_trace import import_spool
 from rfcompass.recordings.stops import Stops
 from rfcompass.recordings.stored_estimate import read_estimate
-from rfcompass.recordings.stored_plan import read_plan
+from rfcompass.recordings.stored_plan import PlanSetting, read_plan, read_plan_setting
 from rfcompass.recordings.task_folder import TaskRun, check_task_target, is_task, write_task
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_meta import TraceMeta, TraceTag
@@ -31,6 +31,7 @@ __all__ = [
     "CarrierLog",
     "PartCollection",
     "PartDatabase",
+    "PlanSetting",
     "Recording",
     "Run",
     "StillAntennas",
@@ -58,6 +59,7 @@ __all__ = [
     "read_estimate",
     "read_parts",
     "read_plan",
+    "read_plan_setting",
     "reads_table",
     "record",
     "write_parts",

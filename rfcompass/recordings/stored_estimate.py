@@ -10,7 +10,7 @@ import numpy as np
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import EstimateError, NoEstimate
 from rfcompass.recordings.run_folder import ESTIMATE_FILE, SAMPLES_FILE
-from rfcompass.types.estimate import PartEstimate
+from rfcompass.types.estimate import DiagnosticValue, PartEstimate
 
 
 def read_estimate(path: Path | str, *, height_m: float | None = None) -> PartEstimate:
@@ -44,6 +44,7 @@ def read_estimate(path: Path | str, *, height_m: float | None = None) -> PartEst
         height_m=height,
         covariance=None if covariance is None else _array(covariance, "covariance", file),
         samples=_samples(file.with_name(SAMPLES_FILE)),
+        diagnostics=_diagnostics(content, file),
     )
 
 
@@ -55,6 +56,16 @@ def _read_json(file: Path) -> Mapping[str, Any]:
     if not isinstance(content, dict):
         raise EstimateError(f"{file}: holds no JSON object", file=str(file))
     return content
+
+
+def _diagnostics(content: Mapping[str, Any], file: Path) -> dict[str, DiagnosticValue]:
+    """What the method said about its own work; values that are no scalars are left out."""
+    found = content.get("diagnostics", {})
+    if not isinstance(found, Mapping):
+        raise EstimateError(f"{file}: diagnostics is {found!r}, no object", file=str(file), key="diagnostics")
+    return {
+        name: value for name, value in found.items() if value is None or isinstance(value, bool | int | float | str)
+    }
 
 
 def _number(content: Mapping[str, Any], key: str, file: Path) -> float:

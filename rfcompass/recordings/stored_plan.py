@@ -2,15 +2,52 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rfcompass.errors import PlanFileError, RfCompassError
-from rfcompass.geometry.pose2 import as_pose2
+from rfcompass.geometry.pose2 import Pose2, as_pose2
 from rfcompass.types.grasps import Failure, GraspCandidate, GraspPlan
 from rfcompass.types.motions import APPROACH, LIFT, RETREAT, TimedPath
+from rfcompass.types.scene import Scene
+from rfcompass.types.scene_json import scene_from_json
+
+
+@dataclass(frozen=True, slots=True)
+class PlanSetting:
+    """What a plan was made for.
+
+    Attributes:
+        robot: Name or file of the robot; None in files of older versions.
+        scene: What stood around, as in a scene file; None if nothing did, or nobody said so.
+        base: Pose of the base in the scene before any drive.
+    """
+
+    robot: str | None
+    scene: Scene | None
+    base: Pose2
+
+
+def read_plan_setting(path: Path | str) -> PlanSetting:
+    """Read what a plan was made for: robot and scene.
+
+    Raises:
+        PlanFileError: If the file is no JSON object, or a key is ill-typed.
+        SceneError: If the scene breaks its format.
+    """
+    content, file = _content(path), str(path)
+    robot, base = content.get("robot"), content.get("base", [0.0, 0.0, 0.0])
+    if not isinstance(robot, str | None):
+        raise PlanFileError(f"{file}: robot is {robot!r}, no text", file=file, key="robot")
+    try:
+        pose = as_pose2(base)
+    except (RfCompassError, TypeError, ValueError) as cause:
+        raise PlanFileError(f"{file}: base is {base!r}, no x, y, heading", file=file, key="base") from cause
+    stood = content.get("scene")
+    return PlanSetting(robot, None if stood is None else scene_from_json(stood), pose)
 
 
 def read_plan(path: Path | str) -> GraspPlan:
@@ -21,12 +58,8 @@ def read_plan(path: Path | str) -> GraspPlan:
     Raises:
         PlanFileError: If the file is none, holds a failure, or a key is missing or ill-typed.
     """
-    file = Path(path)
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as cause:
-        raise PlanFileError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
-    if isinstance(content, dict) and isinstance(failure := content.get("failure"), dict):
+    file, content = Path(path), _content(path)
+    if isinstance(failure := content.get("failure"), dict):
         told = f"{failure.get('kind')}: {failure.get('message')}"
         raise PlanFileError(f"{file}: holds no plan but a failure, {told}", file=str(file))
     try:
@@ -35,6 +68,17 @@ def read_plan(path: Path | str) -> GraspPlan:
         raise PlanFileError(f"{file}: {missing.args[0]} is missing", file=str(file), key=missing.args[0]) from missing
     except (RfCompassError, TypeError, ValueError, AttributeError) as cause:
         raise PlanFileError(f"{file}: is no grasp plan: {cause}", file=str(file)) from cause
+
+
+def _content(path: Path | str) -> Mapping[str, Any]:
+    file = Path(path)
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as cause:
+        raise PlanFileError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
+    if not isinstance(content, dict):
+        raise PlanFileError(f"{file}: is no grasp plan: it holds no JSON object", file=str(file))
+    return content
 
 
 def _plan(content: Mapping[str, Any]) -> GraspPlan:

@@ -72,6 +72,54 @@ def test_no_grasp_is_exit_1_with_the_reason_and_what_was_tried(run, tmp_path, ch
         assert ran.json["reasons"]["unreachable"] > 0
 
 
+def test_a_robot_by_name_grasps_too(run, tmp_path):
+    folder = stored(tmp_path / "run", samples=False, centre_m=[0.5, 0.0], theta_rad=1.5708)
+    ran = run("grasp", folder, "--robot", "ur5e_2f85", "--json")
+    assert ran.code == 0, ran.err
+    assert ran.json["joint_names"][0] == "shoulder_pan_joint"
+    assert ran.json["defects"] == []
+    assert ran.json["aperture_m"] == pytest.approx(0.085)
+
+
+VAGUE = {"covariance": np.diag([1.2e-2**2, 1.2e-2**2, np.deg2rad(6.0) ** 2]).tolist()}
+GOOD = {
+    "alpha_m": 0.01,
+    "beta": 0.0,
+    "bias_m": 0.005,
+    "comparison_m": 0.02,
+    "anchor_pairs": 36,
+    "rank_correlation": 0.9,
+}
+
+
+@pytest.mark.slow
+def test_a_vague_estimate_should_be_measured_again_with_a_good_meter_only(run, tmp_path):
+    file = stored(tmp_path / "run", samples=False, diagnostics=GOOD, **VAGUE) / "estimate.json"
+    plan = run("grasp", file, "--measure-again", "--json").json
+    advice = plan["measure_again"]
+    assert advice["worth_it"]
+    assert advice["success_now"] == plan["success_probability"]
+    assert advice["success_after"] > advice["success_now"] + 0.05
+    assert len(advice["stop"]["joints"]) == len(plan["joint_names"])
+    told = run("grasp", file, "--measure-again")
+    assert f"would rise from {advice['success_now']:.2f} to {advice['success_after']:.2f}" in told.out
+    bad = {**GOOD, "alpha_m": 1.0, "comparison_m": 1.0, "bias_m": 0.2}
+    file = stored(tmp_path / "bad", samples=False, diagnostics=bad, **VAGUE) / "estimate.json"
+    assert run("grasp", file, "--measure-again", "--json").json["measure_again"] == {"worth_it": False}
+    assert "grasp now" in run("grasp", file, "--measure-again").out
+
+
+def test_advice_is_given_on_request_only_and_needs_to_know_how_sure_the_estimate_is(run, tmp_path):
+    folder = stored(tmp_path / "run", samples=False, covariance=None)
+    assert "measure_again" not in run("grasp", folder, "--json").json
+    assert "does not say how sure it is" in run("grasp", folder, "--measure-again").out
+
+
+def test_advice_for_tags_that_the_part_does_not_have_is_refused(run, tmp_path):
+    ran = run("grasp", stored(tmp_path / "run"), "--measure-again", "--tags", 9, "--json")
+    assert (ran.code, ran.json["failure"]["kind"]) == (2, "PartError")
+
+
 def scene(tmp_path, **obstacle):
     file = tmp_path / "scene.json"
     thing = {"name": "crate", "box_m": [0.3, 0.3, 0.3], "position_m": [1.0, 1.0, 0.15], "material": "wood", **obstacle}

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from rfcompass.robots import check_urdf
 from rfcompass.robots.layouts import data_folder
 
 YOUBOT = data_folder() / "youbot.urdf"
@@ -87,6 +88,17 @@ def test_our_youbot_has_no_error(run):
     answer = run("robots", "check", YOUBOT, "--json").json
     assert answer["ok"]
     assert "arm_joint_1" in answer["moving"]
+
+
+def test_a_robot_is_checked_by_its_name_with_the_links_that_its_description_needs(run, tmp_path, monkeypatch):
+    answer = run("robots", "check", "ur5e_2f85", "--json").json
+    assert answer["ok"]
+    assert answer["file"].endswith("ur5e_2f85.urdf")
+    assert run("robots", "check", "nobody", "--json").code == 2
+    asked = []
+    monkeypatch.setattr("rfcompass.robots.check_urdf", lambda *args: asked.append(args) or check_urdf(*args))
+    run("robots", "check", "ur5e_2f85", "--frame", "tool0")
+    assert {"base_link", "gripper_tool_link", "gripper_palm_link", "tool0"} == set(asked[0][2])
 
 
 def test_every_defect_of_a_urdf_is_named(run, tmp_path):

@@ -58,6 +58,25 @@ def test_a_plan_that_was_stored_is_drawn_as_it_was_when_it_was_made(run, tmp_pat
     assert made.read_bytes() == read.read_bytes()
 
 
+def test_a_plan_knows_robot_and_scene_and_is_drawn_among_its_obstacles(run, tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    file, plan, scene = an_estimate(folder, x_m=0.5), tmp_path / "plan.json", tmp_path / "scene.json"
+    crate = {"name": "crate", "box_m": [0.1, 0.1, 0.3], "position_m": [1.0, 1.6, 0.15], "material": "wood"}
+    scene.write_text(json.dumps({"schema": "rfcompass-scene/1", "name": "crates", "room": None, "obstacles": [crate],
+                                 "materials": {"wood": {"permittivity": 2.0}}}))  # fmt: skip
+    where = ("--scene", scene, "--base", 1.0, 1.0, 0.2)
+    ran = run("grasp", file, "--robot", "ur5e_2f85", *where, "--out", plan, "--page", tmp_path / "made.html", "--json")
+    assert ran.code == 0, ran.err
+    assert ran.json["robot"] == "ur5e_2f85"
+    assert ran.json["base"] == pytest.approx([1.0, 1.0, 0.2])
+    scene.unlink()
+    assert run("view", plan, "--estimate", file).code == 0
+    made, read = (tmp_path / name for name in ("made.html", "plan.html"))
+    assert "obstacles" in made.read_text(encoding="utf-8")
+    assert made.read_bytes() == read.read_bytes()
+
+
 def test_why_there_is_no_grasp_is_drawn_too(run, tmp_path):
     ran = run("grasp", an_estimate(tmp_path, x_m=3.0), "--page", tmp_path / "why.html", "--json")
     assert ran.code == 1

@@ -55,7 +55,7 @@ def test_the_robots_extra_is_installed():
     if os.environ.get("RFCOMPASS_WITHOUT_ROBOTS") == "1":
         pytest.skip("RFCOMPASS_WITHOUT_ROBOTS=1: only the robots that need no extra are tested")
     assert extra_folder() is not None, f"{EXTRA} is missing: pip install 'rfcompass[robots]'"
-    assert {"panda", "pr2", "tiago", "youbot"} == set(OURS)
+    assert {"panda", "pr2", "tiago", "ur5e_2f85", "youbot"} == set(OURS)
     assert len(OTHERS) > 50
 
 

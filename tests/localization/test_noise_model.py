@@ -8,8 +8,10 @@ from calibrated_scenes import FAR, NEAR, Errors, biased_stops
 from scipy import optimize, stats
 
 from rfcompass.localization.noise_kernels import comparison_fits, distance_noise, own_fix_errors
-from rfcompass.localization.noise_model import LEAST_BIAS_M, fit_noise, rank_correlation
+from rfcompass.localization.noise_model import LEAST_BIAS_M, fit_noise, noise_of, rank_correlation
 from rfcompass.localization.placed_stop import place_stops
+from rfcompass.localization.posterior import PosteriorLocalizer
+from rfcompass.types import PartEstimate
 
 ALPHAS_M = np.geomspace(0.005, 0.2, 9)
 BETAS = np.array([0.01, 0.05, 0.2])
@@ -159,3 +161,20 @@ def test_rank_correlation_is_spearmans():
     assert rank_correlation(a, b) == pytest.approx(stats.spearmanr(a, b).statistic)
     assert rank_correlation(a, np.exp(a)) == pytest.approx(1.0)
     assert rank_correlation(a, np.zeros(40)) == 0.0
+
+
+def test_the_noise_of_an_estimate_is_that_which_was_fitted():
+    stops, _ = biased_stops(np.random.default_rng(0))
+    inference = PosteriorLocalizer().infer(stops)
+    told, fitted = noise_of(PosteriorLocalizer().estimate(stops)), inference.noise
+    factor = inference.trusted.noise_factor
+    assert told.alpha_m == factor * fitted.alpha_m
+    assert told.beta == factor * fitted.beta
+    assert told.measures_distance == fitted.measures_distance
+    assert (told.comparison_m, told.pairs) == (fitted.comparison_m, fitted.pairs)
+    assert told.bias_m >= fitted.bias_m
+
+
+@pytest.mark.parametrize("diagnostics", [{}, {"alpha_m": 0.01}, {"alpha_m": None, "beta": 0.1, "bias_m": 0.01}])
+def test_an_estimate_that_does_not_tell_its_noise_has_none(diagnostics):
+    assert noise_of(PartEstimate("leg", [0.4, 0.0], 0.0, "told", 1, 0.025, diagnostics=diagnostics)) is None

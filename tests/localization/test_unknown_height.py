@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from calibrated_scenes import Errors, biased_stops
 
-from rfcompass.errors import InputError
+from rfcompass.errors import Infeasible, InputError
 from rfcompass.localization.posterior import PosteriorLocalizer
 from rfcompass.localization.unknown_height import lifts_between
 from rfcompass.types import TagPositions
@@ -77,3 +77,60 @@ def test_not_knowing_the_height_never_makes_the_region_smaller():
         stops, _ = on_a_shelf(seed, lift_m=0.0)
         known, free = KNOWN.estimate(stops), PosteriorLocalizer(lift_range_m=(-0.04, 0.04)).estimate(stops)
         assert np.trace(free.covariance[:2, :2]) > 0.9 * np.trace(known.covariance[:2, :2])
+
+
+class Images:
+    """A meter that looks for tags in the plane of their stated height: a part seems farther away the higher it is."""
+
+    kind = "sar_nearfield"
+
+    def __init__(self, ready, kind="sar_nearfield"):
+        self.ready, self.kind, self.asked_m = ready, kind, []
+
+    def measure(self, scan, *, targets=(), anchors=None):
+        height_m = scan.heights_m[targets[0]]
+        self.asked_m.append(round(height_m, 6))
+        return replace(self.ready, m=self.ready.m * (1.0 + 0.2 * (height_m - 0.05)), kind=self.kind)
+
+
+def imaged(seed, kind="sar_nearfield"):
+    (stop,), _ = biased_stops(np.random.default_rng(seed), M=1, errors=QUIET)
+    return replace(stop, proximity=None), Images(stop.proximity, kind)
+
+
+def test_images_are_made_at_every_height_and_none_is_likelier_for_it():
+    stop, meter = imaged(3)
+    free = PosteriorLocalizer(lift_range_m=(0.0, 0.2), meter=meter).infer([stop]).posterior
+    assert meter.asked_m[1:] == [0.05, 0.1, 0.15, 0.2, 0.25]
+    each = [
+        PosteriorLocalizer(meter=meter).infer([replace(stop, part_tag_heights_m=np.full(4, h_m))]).posterior.mean_m
+        for h_m in meter.asked_m[1:]
+    ]
+    assert np.ptp(each, axis=0).max() > 0.005
+    assert free.mean_m == pytest.approx(np.mean(each, axis=0), abs=1e-4)
+    assert (free.mean_lift_m, free.lift_sd_m) == pytest.approx((0.1, np.std([0, 0.05, 0.1, 0.15, 0.2])), abs=1e-3)
+
+
+def test_images_at_one_height_are_the_search_there():
+    stop, meter = imaged(4)
+    one = PosteriorLocalizer(lift_range_m=(0.1, 0.1), meter=meter).estimate([stop])
+    known = PosteriorLocalizer(meter=meter).estimate([replace(stop, part_tag_heights_m=stop.part_tag_heights_m + 0.1)])
+    assert one.centre_m == pytest.approx(known.centre_m, abs=1e-9)
+    assert one.height_m == pytest.approx(known.height_m)
+
+
+def test_what_does_not_look_in_a_plane_or_is_ready_made_is_measured_once():
+    stop, meter = imaged(5, kind="phase_l1")
+    PosteriorLocalizer(lift_range_m=(0.0, 0.2), meter=meter).infer([stop])
+    assert meter.asked_m == [0.05]
+    _, images = imaged(5)
+    PosteriorLocalizer(lift_range_m=(0.0, 0.2), meter=images).infer([replace(stop, proximity=images.ready)])
+    assert images.asked_m == []
+
+
+def test_a_part_that_is_nowhere_at_any_height_is_refused():
+    stop, meter = imaged(6)
+    x, y = PosteriorLocalizer(meter=meter).estimate([stop]).centre_m
+    elsewhere = np.array([[x + 0.12, x + 2.0], [y - 1.0, y + 1.0]])  # the part lies just outside
+    with pytest.raises(Infeasible, match=r"0\.0 to 0\.1 m higher"):
+        PosteriorLocalizer(lift_range_m=(0.0, 0.1), meter=meter, bounds_m=elsewhere).infer([stop])

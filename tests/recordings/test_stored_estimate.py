@@ -67,7 +67,7 @@ def test_a_covariance_that_is_not_finite_where_the_pose_was_observed_is_refused(
 @pytest.mark.parametrize(
     ("changed", "key"),
     [({"part": 3}, "part"), ({"theta_rad": "north"}, "theta_rad"), ({"stops": True}, "stops"),
-     ({"centre_m": ["x", 1]}, "centre_m"), ({"height_m": None}, "height_m")],
+     ({"centre_m": ["x", 1]}, "centre_m"), ({"height_m": None}, "height_m"), ({"diagnostics": [1]}, "diagnostics")],
 )  # fmt: skip
 def test_a_key_that_is_ill_typed_is_named(tmp_path, changed, key):
     with pytest.raises(EstimateError) as caught:
@@ -89,3 +89,9 @@ def test_samples_that_cannot_be_read_are_refused(tmp_path):
     (tmp_path / "samples.npz").write_bytes(b"no archive")
     with pytest.raises(EstimateError, match="samples"):
         read_estimate(tmp_path)
+
+
+def test_diagnostics_come_back_without_what_is_no_scalar(tmp_path):
+    told = {"alpha_m": 0.01, "evidence": "distances", "lift_m": None, "modes": 1, "list": [1, 2]}
+    diagnostics = read_estimate(write(tmp_path, diagnostics=told)).diagnostics
+    assert dict(diagnostics) == {key: value for key, value in told.items() if key != "list"}

@@ -5,8 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from rfcompass.errors import PlanFileError
-from rfcompass.recordings import read_plan
+from rfcompass.errors import PlanFileError, SceneError
+from rfcompass.geometry import Pose2
+from rfcompass.recordings import read_plan, read_plan_setting
+from rfcompass.types.scene_json import scene_from_json
 
 POSE = np.eye(4).tolist()
 STORED = {
@@ -86,3 +88,29 @@ def test_what_is_no_plan_is_refused(tmp_path, content, told):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(PlanFileError, match=r"nowhere\.json"):
         read_plan(tmp_path / "nowhere.json")
+
+
+SCENE = {"schema": "rfcompass-scene/1", "name": "bare", "room": None, "obstacles": [], "materials": {}}
+
+
+def test_what_a_plan_was_made_for_comes_back(tmp_path):
+    file = stored(tmp_path, {**STORED, "robot": "ur5e_2f85", "scene": SCENE, "base": [1.0, 2.0, 0.5]})
+    setting = read_plan_setting(file)
+    assert (setting.robot, setting.base) == ("ur5e_2f85", Pose2(1.0, 2.0, 0.5))
+    assert setting.scene == scene_from_json(SCENE)
+    assert read_plan(file).part_id == "table_leg_3"
+
+
+def test_a_plan_of_an_older_version_does_not_say_what_it_was_made_for(tmp_path):
+    setting = read_plan_setting(stored(tmp_path, STORED))
+    assert (setting.robot, setting.scene, setting.base) == (None, None, Pose2())
+
+
+@pytest.mark.parametrize(
+    ("changed", "error"),
+    [({"robot": 3}, PlanFileError), ({"base": [1.0]}, PlanFileError), ({"base": "here"}, PlanFileError),
+     ({"scene": {"schema": "none"}}, SceneError)],
+)  # fmt: skip
+def test_a_setting_that_is_ill_typed_is_refused(tmp_path, changed, error):
+    with pytest.raises(error):
+        read_plan_setting(stored(tmp_path, {**STORED, **changed}))

@@ -18,15 +18,15 @@ def without_extra(monkeypatch):
     monkeypatch.setattr(library, "extra_folder", lambda: None)
 
 
-def test_our_robot_is_there_without_the_extra(without_extra):
-    assert known_robots() == ("youbot",)
+def test_our_robots_are_there_without_the_extra(without_extra):
+    assert known_robots() == ("ur5e_2f85", "youbot")
     assert load_robot("youbot", "skew6").description.layout_name == "youbot_skew6"
 
 
 def test_an_unknown_robot_lists_the_known_ones_and_the_way_to_more(without_extra):
     with pytest.raises(UnknownRobot, match=r"'panda'.*youbot.*pip install rfcompass\[robots\]") as caught:
         load_robot("panda")
-    assert caught.value.numbers == {"name": "panda", "known": ["youbot"]}
+    assert caught.value.numbers == {"name": "panda", "known": ["ur5e_2f85", "youbot"]}
 
 
 def test_a_bare_urdf_takes_a_layout():

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rfcompass.robots import always_touching, check_urdf, load_robot
+from rfcompass.robots import CollisionModel, QuickCollisions, always_touching, check_urdf, hand_of, load_robot
 from rfcompass.robots.layouts import data_folder
 
 URDF = data_folder() / "ur5e_2f85.urdf"
-ROBOT = load_robot(URDF)
+ROBOT, DESCRIBED = load_robot(URDF), load_robot("ur5e_2f85")
 # Denavit-Hartenberg parameters as the manufacturer publishes them: d [m], a [m], alpha [rad].
 PUBLISHED = (
     (0.1625, 0.0, np.pi / 2),
@@ -49,3 +49,28 @@ def test_the_hand_opens_by_85_mm():
     fingers = [name for name in ROBOT.joint_names if "finger" in name]
     upper = [ROBOT.limits.upper[ROBOT.joint_names.index(name)] for name in fingers]
     assert sum(upper) == pytest.approx(0.085)
+
+
+def test_by_its_name_it_has_a_hand_a_tool_and_nine_tags():
+    hand = hand_of(DESCRIBED)
+    assert (hand.least_m, hand.greatest_m) == pytest.approx((0.0, 0.085))
+    assert DESCRIBED.joint_names == ROBOT.joint_names
+    assert not DESCRIBED.is_mobile
+    assert len(DESCRIBED.layout.epcs) == 9
+    T_tool0_tool = DESCRIBED.link_pose(DESCRIBED.configuration(), "tool0").inverse() * DESCRIBED.tool_pose(
+        DESCRIBED.configuration()
+    )
+    assert T_tool0_tool.homogeneous == pytest.approx(
+        np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.15], [0, 0, 0, 1]])
+    )
+
+
+@pytest.mark.parametrize("name", ["ready", "scan"])
+def test_its_postures_point_down_before_the_foot_touch_nothing_and_have_the_hand_open(name):
+    posture = DESCRIBED.posture(name)
+    pose = DESCRIBED.tool_pose(posture)
+    assert pose.rotation @ DESCRIBED.tool.approach_axis == pytest.approx([0, 0, -1], abs=0.02)
+    assert 0.4 < pose.translation[0] < 0.6
+    assert 0.1 < pose.translation[2] < 0.4
+    assert not QuickCollisions(CollisionModel(DESCRIBED, with_tags=True)).collides(posture)
+    assert posture.joints[-2:] == pytest.approx([0.0425, 0.0425])
