@@ -1,8 +1,8 @@
 """Where the antenna carrier drives next: two legs at right angles, as near to the part as pays.
 
 From afar all tags are seen from one side, and reflections are as loud as the tag; an L whose legs pass the part within
-1.0 to 1.5 m is worth more than any estimator. So: first a scan from anywhere, then an L about what it found. Among
-furniture an L seldom fits; then `free_legs` finds what does.
+1.0 to 1.5 m is worth more than any estimator. So: first a scan from anywhere, then an L about what it found. That is
+for an empty room; among furniture an L seldom fits, and the legs come from `free_legs`.
 """
 
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from planners.free_legs import Corridor, free_tracks_m
+from planners.free_legs import Corridor, free_tracks_m, gaps, span
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import OutOfReach
 
@@ -74,11 +74,7 @@ class NearTrack:
             part_m: About where the part lies, in the rectangle's frame [m], shape (2,).
             keep_out_m: Rectangles that the carrier must not touch, least and largest x, y of each [m], shape (B, 2, 2).
         """
-        corridor = Corridor(
-            low_m=np.array(self.low_m), high_m=np.array(self.high_m), blocks_m=self._grown_m(keep_out_m),
-            height_m=self.height_m, length_m=self.length_m,
-        )  # fmt: skip
-        return free_tracks_m(part_m, corridor)
+        return free_tracks_m(part_m, self._corridor(keep_out_m))
 
     def corner_legs_m(self, corner: tuple[int, int], keep_out_m: FloatArray | None = None) -> FloatArray:
         """Plan one leg along each of the two sides that meet in a corner, from the middle of the rectangle's side.
@@ -90,11 +86,10 @@ class NearTrack:
         Raises:
             OutOfReach: If a side has no room for a leg of 1.5 m.
         """
-        blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
-        bounds_m = np.array([self.low_m, self.high_m])
+        bounds_m, corridor = np.array([self.low_m, self.high_m]), self._corridor(keep_out_m)
         centre_m = bounds_m.mean(axis=0)
         sides = [
-            self._legs_along_m(axis, float(centre_m[axis]), float(bounds_m[corner[1 - axis], 1 - axis]), blocks_m)
+            self._legs_along_m(axis, float(centre_m[axis]), float(bounds_m[corner[1 - axis], 1 - axis]), corridor)
             for axis in (0, 1)
         ]
         legs = [max(side, key=_length_m, default=None) for side in sides]
@@ -109,41 +104,28 @@ class NearTrack:
     def _legs_beside_m(self, part_m: FloatArray, axis: int, side: float) -> list[FloatArray]:
         """The leg along an axis on one side of the part, shape (2, 3), if it is worth driving."""
         across_m = float(part_m[1 - axis] + side * self.stand_off_m)
-        if not self.low_m[1 - axis] - 1e-9 <= across_m <= self.high_m[1 - axis] + 1e-9:
-            return []
-        legs_m = self._legs_along_m(axis, float(part_m[axis]), across_m, np.zeros((0, 2, 2)))
+        legs_m = self._legs_along_m(axis, float(part_m[axis]), across_m, self._corridor(None))
         return [leg for leg in legs_m if _seen_rad(part_m, leg) >= LEAST_ANGLE_RAD and _length_m(leg) >= LEAST_LEG_M]
 
-    def _legs_along_m(self, axis: int, middle_m: float, across_m: float, blocks_m: FloatArray) -> list[FloatArray]:
-        """A leg in each gap of a line of the rectangle, as near to `middle_m` as it can be, shape (2, 3) each."""
-        found = []
-        for low_m, high_m in self._gaps_m(axis, across_m, blocks_m):
+    def _legs_along_m(self, axis: int, middle_m: float, across_m: float, corridor: Corridor) -> list[FloatArray]:
+        """A leg in each gap of a line along an axis, as near to `middle_m` as it can be, shape (2, 3) each."""
+        found, foot_m = [], np.zeros(2)
+        foot_m[1 - axis] = across_m
+        for low_m, high_m in gaps(foot_m, np.eye(2)[axis], corridor):
             leg_m = np.zeros((2, 3))
-            leg_m[:, axis], leg_m[:, 1 - axis] = _span_m(middle_m, low_m, high_m, self.length_m), across_m
+            leg_m[:, axis], leg_m[:, 1 - axis] = span(middle_m, low_m, high_m, self.length_m), across_m
             leg_m[:, 2] = self.height_m
             found.append(leg_m)
         return found
 
-    def _gaps_m(self, axis: int, across_m: float, blocks_m: FloatArray) -> list[tuple[float, float]]:
-        """Free intervals along a line of the rectangle [m], in ascending order."""
-        other, gaps, at_m = 1 - axis, [], self.low_m[axis]
-        low_m, high_m = self._grown_m(blocks_m).transpose(1, 0, 2)
-        met = (low_m[:, other] < across_m) & (across_m < high_m[:, other])
-        for start_m, end_m in sorted(zip(low_m[met, axis].tolist(), high_m[met, axis].tolist(), strict=True)):
-            gaps.append((at_m, min(start_m, self.high_m[axis])))
-            at_m = max(at_m, end_m)
-        gaps.append((at_m, self.high_m[axis]))
-        return [(start_m, end_m) for start_m, end_m in gaps if end_m > start_m]
-
-    def _grown_m(self, blocks_m: FloatArray) -> FloatArray:
-        return np.asarray(blocks_m + self.clear_m * np.array([[-1.0], [1.0]]))
-
-
-def _span_m(middle_m: float, low_m: float, high_m: float, length_m: float) -> FloatArray:
-    """Interval of a length inside another one, its middle as near as possible to a place, shape (2,)."""
-    half_m = min(length_m, high_m - low_m) / 2
-    centre_m = min(max(middle_m, low_m + half_m), high_m - half_m)
-    return np.array([centre_m - half_m, centre_m + half_m])
+    def _corridor(self, keep_out_m: FloatArray | None) -> Corridor:
+        """The rectangle, without what the carrier must not touch."""
+        blocks_m = np.zeros((0, 2, 2)) if keep_out_m is None else np.asarray(keep_out_m, dtype=np.float64)
+        return Corridor(
+            low_m=np.array(self.low_m), high_m=np.array(self.high_m),
+            blocks_m=blocks_m + self.clear_m * np.array([[-1.0], [1.0]]),
+            height_m=self.height_m, length_m=self.length_m,
+        )  # fmt: skip
 
 
 def _length_m(leg_m: FloatArray) -> float:

@@ -36,8 +36,8 @@ from rfcompass.types.proximity import ProximityMatrix
 HAND_POINT_M = (0.42, 0.0)
 HAND_SWEEP = ((0.0, 0.0, 0.0), (-0.02, -0.12, np.pi / 3), (0.02, 0.12, -np.pi / 3), (0.03, 0.0, np.pi / 2))
 
-# By how much the base is turned about the part from where its long side lies across, try after try: a leg that points
-# at the robot more than this would lie under its base.
+# Ours. By how much the base is turned about the part from where its long side lies across, try after try: a leg that
+# points at the robot more than this would lie under its base.
 TURNS_RAD = np.radians([0.0, 180.0, 35.0, -35.0, 145.0, -145.0])
 LEAST_PROGRESS = 0.5  # ours: a drive that ends before this share of its length was stopped by a wall
 
@@ -237,16 +237,19 @@ class Fetch:
             if self.around is not None:
                 self.drive(step.observation, goal)
                 return
-            stands = stands @ self.drive_beside(stands.inverse() @ goal, stands.inverse().apply(estimate.centre_m))
+            stands = stands @ self._drive_beside(stands.inverse() @ goal, stands.inverse().apply(estimate.centre_m))
             if _length_m(stands.inverse() @ goal) <= self.rules.lined_up_m:
                 return
 
-    def drive_beside(self, T_base_goal: Pose2, part_m: FloatArray) -> Pose2:
-        """Drive to a pose beside the part, around it if it lies in between.
+    def drive_to(self, step: FetchStep, T_base_goal: Pose2) -> None:
+        """Drive to a pose beside the part, in the base frame of the newest stop, around the part and what is known."""
+        if self.around is None:
+            self._drive_beside(T_base_goal, step.estimate.centre_m)
+        else:
+            self.drive(step.observation, T_base_goal)
 
-        Args:
-            T_base_goal: Where to, in the frame of the base as it stands.
-            part_m: Centre of the part in that frame [m], shape (2,).
+    def _drive_beside(self, T_base_goal: Pose2, part_m: FloatArray) -> Pose2:
+        """Drive to a pose around the part, whose centre is at `part_m` (2,) [m], both in the frame of the base now.
 
         Returns:
             How far the robot got, as it believes; it gives up where a wall stops it.
@@ -278,16 +281,19 @@ class Fetch:
             return (yield from self._hand_stop(*place))
         if chosen.base != step.configuration.base:
             self.drive(step.observation, step.configuration.base.inverse() @ chosen.base)
-        self._joints = chosen.joints
-        self.device.move_arm(self._joints)
-        return (yield from self._stop("localise"))
+        return (yield from self._stop_with(chosen.joints))
 
     def _hand_stop(self, dx_m: float, dy_m: float, yaw_rad: float) -> Generator[FetchStep, None, FetchStep]:
         """Move the hand to a place of the sweep and stop there."""
         x_m, y_m = self.rules.hand_point_m
         point_m = np.array([x_m + dx_m, y_m + dy_m, self.rules.hand_height_m])
-        self._joints = hand_over(self.robot, self.robot.configuration(self._joints), point_m, yaw_rad).joints
-        self.device.move_arm(self._joints)
+        posture = hand_over(self.robot, self.robot.configuration(self._joints), point_m, yaw_rad)
+        return (yield from self._stop_with(posture.joints))
+
+    def _stop_with(self, joints: FloatArray) -> Generator[FetchStep, None, FetchStep]:
+        """Move the arm and stop."""
+        self._joints = joints
+        self.device.move_arm(joints)
         return (yield from self._stop("localise"))
 
     def _stop(self, phase: str) -> Generator[FetchStep, None, FetchStep]:
@@ -307,7 +313,11 @@ class Fetch:
         best: FetchStep | NoAnswer | None = None
         while True:
             answer = self._answered(phase)
-            if isinstance(answer, FetchStep) and self._is_worth_driving(answer):
+            if isinstance(answer, FetchStep) and is_worth_driving(
+                answer.estimate, answer.proximity, answer.observation.anchors
+            ):
+                if self.antenna is not None:
+                    self.antenna.found()
                 return answer
             if best is None or isinstance(answer, FetchStep):
                 best = answer
@@ -315,13 +325,6 @@ class Fetch:
                 if isinstance(best, NoAnswer):
                     raise best
                 return best
-
-    def _is_worth_driving(self, step: FetchStep) -> bool:
-        if not is_worth_driving(step.estimate, step.proximity, step.observation.anchors):
-            return False
-        if self.antenna is not None:
-            self.antenna.found()
-        return True
 
     def _answered(self, phase: str) -> FetchStep | NoAnswer:
         """Scan once."""

@@ -24,6 +24,7 @@ SHORTEST_M = 0.8
 LEGS = 4
 DIFFERENT_RAD, DIFFERENT_M = np.radians(30.0), 0.6
 _SAMPLES = 15
+_EDGE_M = 1e-9  # rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,16 +127,27 @@ def _free_legs(part_m: FloatArray, corridor: Corridor) -> Iterator[FloatArray]:
         along = np.array([np.cos(angle), np.sin(angle)])
         for stand_off_m in (*STAND_OFFS_M, *-STAND_OFFS_M):
             foot_m = part_m + stand_off_m * np.array([-along[1], along[0]])
-            for low, high in _gaps(foot_m, along, corridor):
+            for low, high in gaps(foot_m, along, corridor):
                 if high - low >= SHORTEST_M:
-                    half = min(corridor.length_m, high - low) / 2
-                    middle = min(max(0.0, low + half), high - half)
-                    ends_m = foot_m + np.array([[middle - half], [middle + half]]) * along
+                    ends_m = foot_m + span(0.0, low, high, corridor.length_m)[:, None] * along
                     yield np.column_stack([ends_m, np.full(2, corridor.height_m)])
 
 
-def _gaps(foot_m: FloatArray, along: FloatArray, corridor: Corridor) -> Iterator[tuple[float, float]]:
-    """Free intervals of a line, measured from its foot [m], in ascending order."""
+def span(middle_m: float, low_m: float, high_m: float, length_m: float) -> FloatArray:
+    """Interval of a length inside another one, its middle as near as possible to a place, shape (2,)."""
+    half_m = min(length_m, high_m - low_m) / 2
+    centre_m = min(max(middle_m, low_m + half_m), high_m - half_m)
+    return np.array([centre_m - half_m, centre_m + half_m])
+
+
+def gaps(foot_m: FloatArray, along: FloatArray, corridor: Corridor) -> Iterator[tuple[float, float]]:
+    """Free intervals of a line, measured from its foot [m], in ascending order.
+
+    Args:
+        foot_m: A point of the line [m], shape (2,); a line along an edge of the corridor is inside.
+        along: Its direction, of length one, shape (2,).
+        corridor: Where it may be.
+    """
     room = np.array([[corridor.low_m, corridor.high_m]])
     enters, leaves = _crossings(foot_m, along, np.concatenate([room, corridor.blocks_m]))
     at, end = float(enters[0]), float(leaves[0])
@@ -154,6 +166,7 @@ def _crossings(foot_m: FloatArray, along: FloatArray, boxes_m: FloatArray) -> tu
         ends = (boxes_m - foot_m) / along
     beside = np.abs(along) < 1e-12
     inside = (boxes_m[:, 0] < foot_m) & (foot_m < boxes_m[:, 1])
+    inside[0] = (boxes_m[0, 0] - _EDGE_M <= foot_m) & (foot_m <= boxes_m[0, 1] + _EDGE_M)  # the room, its edge included
     low = np.where(beside, np.where(inside, -np.inf, np.inf), ends.min(axis=1))
     high = np.where(beside, np.where(inside, np.inf, -np.inf), ends.max(axis=1))
     return low.max(axis=1), high.min(axis=1)

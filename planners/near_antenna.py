@@ -57,7 +57,7 @@ class NearAntenna:
     _looked: int = field(init=False, default=0)
 
     def comes_nearer(self, observation: Observation, estimate: PartEstimate) -> bool:
-        """Send the carrier to an L about the part, unless it drives one already or there is no room.
+        """Send the carrier to legs about the part, unless it drives such already or there is no room.
 
         Args:
             observation: The newest stop; its reads tell where the base stands in the antenna's frame.
@@ -76,7 +76,7 @@ class NearAntenna:
         return self._takes(place, 0)
 
     def changes_sides(self, observation: Observation, estimate: PartEstimate) -> bool:
-        """Send the carrier to the next L about the part, whose legs lie on other sides and so see other reflections.
+        """Send the carrier to the next legs about the part, which lie elsewhere and so see other reflections.
 
         Args and returns as for `comes_nearer`; False too where every L has had its turn.
         """
@@ -103,11 +103,14 @@ class NearAntenna:
         return True
 
     def _options_m(self, place: "_Place") -> list[FloatArray]:
-        """Tracks along the walls that tell enough, then those in any direction, shape (2, 2, 3) each."""
+        """Tracks about the part that tell enough, shape (L, 2, 3) each, the most telling first."""
         robot_m = place.base_m + np.array([[-ROBOT_M], [ROBOT_M]])
         blocks_m = np.concatenate([self.keep_out_m, robot_m[None]])
-        options_m = list(self.track.free_m(place.part_m, blocks_m))
-        return [legs_m for legs_m in options_m if track_information(place.part_m, legs_m) >= LEAST_INFORMATION]
+        return [
+            legs_m
+            for legs_m in self.track.free_m(place.part_m, blocks_m)
+            if track_information(place.part_m, legs_m) >= LEAST_INFORMATION
+        ]
 
     def looks_from_elsewhere(self) -> bool:
         """Send the carrier to the next place to look from, where the part could not be heard or placed.

@@ -96,7 +96,7 @@ class PickUp:
                 if answer.base is None:
                     self.fetch.stand_over(step)
                 else:
-                    self.fetch.drive_beside(answer.base, step.estimate.centre_m)
+                    self.fetch.drive_to(step, answer.base)
                 step = yield from self.fetch.measure_anew(part_moved=False)
                 continue
             trial = GraspTrial(answer, self._carried_out(answer))

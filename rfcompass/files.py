@@ -1,11 +1,15 @@
-"""Files and folders that are there as a whole or not at all."""
+"""Files and folders that are there as a whole or not at all, and JSON files that can be read or say why not."""
 
+import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
+
+from rfcompass.errors import RfCompassError
 
 
 def write_atomic(path: Path, write: Callable[[Path], object]) -> None:
@@ -70,3 +74,15 @@ def _sync(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def read_json(file: Path, error: type[RfCompassError]) -> Any:  # noqa: ANN401 - whatever the file holds
+    """Read a JSON file.
+
+    Raises:
+        RfCompassError: Of the class `error`, if there is no such file, or it is no JSON.
+    """
+    try:
+        return json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as cause:
+        raise error(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause

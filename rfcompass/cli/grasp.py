@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -109,15 +109,12 @@ def _hand_out(plan: "GraspPlan", setting: "PlanSetting", out: Path | None, *, as
 def _read_scene(file: Path | None) -> "Scene | None":
     """What stands around, in its own frame."""
     from rfcompass.errors import SceneError
+    from rfcompass.files import read_json
     from rfcompass.types.scene_json import scene_from_json
 
     if file is None:
         return None
-    try:
-        content: Any = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as cause:
-        raise SceneError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
-    return scene_from_json(content)
+    return scene_from_json(read_json(file, SceneError))
 
 
 def _say_why(failure: "GraspFailure", *, as_json: bool) -> None:

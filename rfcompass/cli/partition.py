@@ -1,6 +1,5 @@
 """`rfcompass partition FILE`: solve a partition problem given as JSON."""
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -35,14 +34,11 @@ def partition(
     indices count from 0; "margin" and "bounds_m" may be left out.
     """
     from rfcompass.errors import InputError
+    from rfcompass.files import read_json
     from rfcompass.localization import answer_partition
 
     with answering(as_json):
-        try:
-            document = json.loads(file.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as cause:
-            raise InputError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
-        answer = answer_partition(document, method.value)
+        answer = answer_partition(read_json(file, InputError), method.value)
         if as_json:
             print_json(answer)
             return

@@ -1,6 +1,5 @@
 """Estimates as `locate` and `fetch` print and store them: a JSON file, in a run folder with samples beside it."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import EstimateError, NoEstimate
+from rfcompass.files import read_json
 from rfcompass.recordings.run_folder import ESTIMATE_FILE, SAMPLES_FILE
 from rfcompass.types.estimate import DiagnosticValue, PartEstimate
 
@@ -49,10 +49,7 @@ def read_estimate(path: Path | str, *, height_m: float | None = None) -> PartEst
 
 
 def _read_json(file: Path) -> Mapping[str, Any]:
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as cause:
-        raise EstimateError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
+    content = read_json(file, EstimateError)
     if not isinstance(content, dict):
         raise EstimateError(f"{file}: holds no JSON object", file=str(file))
     return content

@@ -1,6 +1,5 @@
 """Grasp plans as `rfcompass grasp` prints and stores them: a JSON file."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rfcompass.errors import PlanFileError, RfCompassError
+from rfcompass.files import read_json
 from rfcompass.geometry.pose2 import Pose2, as_pose2
 from rfcompass.types.grasps import Failure, GraspCandidate, GraspPlan
 from rfcompass.types.motions import APPROACH, LIFT, RETREAT, TimedPath
@@ -72,10 +72,7 @@ def read_plan(path: Path | str) -> GraspPlan:
 
 def _content(path: Path | str) -> Mapping[str, Any]:
     file = Path(path)
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as cause:
-        raise PlanFileError(f"{file}: cannot be read as JSON: {cause}", file=str(file)) from cause
+    content = read_json(file, PlanFileError)
     if not isinstance(content, dict):
         raise PlanFileError(f"{file}: is no grasp plan: it holds no JSON object", file=str(file))
     return content

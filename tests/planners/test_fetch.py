@@ -143,3 +143,21 @@ def test_tags_that_say_nothing_about_reach_leave_it_to_the_estimate():
     steps = list(a_fetch(NoHand(device), Clairvoyant(device)).navigate())
     assert steps[-1].in_reach
     assert steps[-1].estimate.distance_m <= FetchRules().reach_m
+
+
+def test_with_a_map_every_drive_beside_the_part_asks_it():
+    class Map:
+        asked = ()
+
+        def way(self, observation, joints, T_base_goal, approach=None):
+            self.asked = (*self.asked, T_base_goal)
+            return (T_base_goal,)
+
+    device = a_device()
+    loop = Fetch(ROBOT, device, Clairvoyant(device), ROBOT.posture("scan"), around=Map())
+    step = list(loop.navigate())[-1]
+    before = len(loop.around.asked)
+    loop.drive_to(step, Pose2(0.1, 0.0, 0.2))
+    loop.stand_over(step)
+    assert len(loop.around.asked) == before + 2
+    assert loop.around.asked[before] == Pose2(0.1, 0.0, 0.2)

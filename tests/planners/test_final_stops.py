@@ -5,7 +5,7 @@ import pytest
 
 from planners.final_stops import FinalStops
 from planners.hand_stops import HandStops
-from planners.motion_check import MotionChecker
+from planners.motion_check import MotionChecker, MotionReport
 from planners.next_stop import choose_next_stop
 from rfcompass.localization import StopRule
 from rfcompass.recordings import PartDatabase
@@ -31,7 +31,7 @@ class Never:
     """Every motion touches something."""
 
     def check(self, start, end):
-        return CHECKER.check(start, start).__class__(False, None, 0.0, 0.5, 1)
+        return MotionReport(free=False, clearance=None, at_least_m=0.0, at=0.5, checks=1)
 
 
 def test_the_stop_that_tells_most_for_its_time_is_taken():

@@ -96,7 +96,7 @@ def test_other_sides_are_taken_once_each_until_the_part_seems_elsewhere():
     antenna = NearAntenna(carrier, TRACK)
     assert antenna.comes_nearer(heard(), estimate())
     while antenna.changes_sides(heard(), estimate()):
-        assert len(carrier.asked) <= 16
+        assert len(carrier.asked) <= 16  # it must end
     assert len({legs_m.tobytes() for legs_m in carrier.asked}) == len(carrier.asked) > 1
     assert antenna.comes_nearer(heard(), estimate((2.0 * MOVED_M, 0.0)))
     assert antenna.changes_sides(heard(), estimate((2.0 * MOVED_M, 0.0)))
