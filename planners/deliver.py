@@ -5,13 +5,14 @@
 Where the part ends is as true as the odometry, and as the estimate that it was grasped by.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
 from planners.carry import RAISES_M, Carry, plan_carry
+from planners.guided_drive import whole
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import DeliveryFailed
 from rfcompass.geometry.pose2 import Pose2
@@ -74,11 +75,14 @@ class Delivery:
         robot: Kinematics of the robot.
         device: The robot, real or simulated.
         rules: How a part is delivered.
+        drive: Drives to a pose in the present base frame, or as near as it can, and returns the straight drives that it
+            made; straight if None.
     """
 
     robot: Robot
     device: CarryingDevice
     rules: DeliverRules = field(default_factory=DeliverRules)
+    drive: Callable[[Pose2], Sequence[Pose2]] | None = None
 
     def put_down(self, part: Part, plan: GraspPlan, T_odom_base: Pose2, goal: Pose2) -> PutDown:
         """Carry the part to its goal and let go of it; afterwards the hand is back where the grasp began.
@@ -115,7 +119,14 @@ class Delivery:
             raise DeliveryFailed(message, short_m=put.short_m)
 
     def _drive(self, T_odom_base: Pose2, T_odom_goal: Pose2) -> tuple[Pose2, int]:
-        """Drive in even steps; return where the base believes that it is, and the number of drives."""
+        """Drive to a pose; return where the base believes that it is, and the number of drives."""
+        if self.drive is None:
+            return self._drive_straight(T_odom_base, T_odom_goal)
+        made = self.drive(T_odom_base.inverse() @ T_odom_goal)
+        return T_odom_base @ whole(made), len(made)
+
+    def _drive_straight(self, T_odom_base: Pose2, T_odom_goal: Pose2) -> tuple[Pose2, int]:
+        """Drive in even steps; returns as `_drive` does."""
         whole = T_odom_base.inverse() @ T_odom_goal
         count = max(1, int(np.ceil(np.hypot(whole.x_m, whole.y_m) / self.rules.step_m)))
         base = T_odom_base

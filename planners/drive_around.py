@@ -7,13 +7,14 @@ the whole robot, with all bodies grown by a margin, and handed back in the prese
 A goal that is not free is moved to the nearest place that is: half of the way to the part may end in a desk.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from planners.grasp_question import pose_of
 from planners.margins import grown
 from planners.motion_check import RESOLUTION_M, MotionChecker
 from planners.path_search import GOAL_BLOCKED, SearchRules
@@ -23,11 +24,15 @@ from rfcompass.errors import TagNeverHeard
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.localization.locate_base import locate_base
 from rfcompass.robots import CollisionModel, QuickCollisions, Robot
+from rfcompass.robots.collision_model import homogeneous
 from rfcompass.types.configuration import Configuration
+from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.grasps import Failure
 from rfcompass.types.observation import Observation
+from rfcompass.types.parts import Part
 from rfcompass.types.record import Record
-from rfcompass.types.world import World
+from rfcompass.types.shapes import Box
+from rfcompass.types.world import Body, World
 
 Path: TypeAlias = tuple[Configuration, ...]
 
@@ -43,6 +48,13 @@ _TURNS_RAD = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0])
 _M_PER_RAD = 0.3
 _TRIED_GOALS = 4
 RULES = SearchRules(most_checks=5000)
+PART_CLEAR_M = 0.02  # ours: what the base keeps from the part that is sought, which the hand has to come near to [m]
+NEAR_M = 1.5  # ours: what is further from the robot than this is in no grasp's way, even after a short drive [m]
+# Ours: what stopped a drive is taken to be a box of this size [m], and the nearest of these places before the robot's
+# middle at which it touches nothing; a drive with less than this left does not tell where that is.
+BUMP_SIZE_M = (0.02, 0.2, 0.05)
+_BUMPS_M = np.arange(0.1, 1.0, 0.01)
+_TOLD_M = 0.01
 # A corner of a grown box is this much further out than the margin.
 _AT_CORNERS = np.sqrt(3.0)
 
@@ -75,9 +87,16 @@ class RadioPose:
     """The robot's own tags, seen from the antenna's track, tell the pose; where they do not, odometry from there."""
 
     _T_map_odom: Pose2 | None = field(init=False, default=None)
+    _told_by: Observation | None = field(init=False, default=None)
 
     def base_pose(self, observation: Observation) -> Pose2 | None:
         """Pose of the base in the frame of the antenna's positions; None before the tags have first told it."""
+        if observation is not self._told_by:  # images take longer than all else here
+            self._listen(observation)
+            self._told_by = observation
+        return None if self._T_map_odom is None else self._T_map_odom @ observation.base_pose
+
+    def _listen(self, observation: Observation) -> None:
         try:
             base = locate_base(observation)
         except TagNeverHeard:
@@ -85,7 +104,6 @@ class RadioPose:
         if base is not None and base.theta_rad is not None:
             T_map_base = Pose2(float(base.centre_m[0]), float(base.centre_m[1]), base.theta_rad)
             self._T_map_odom = T_map_base @ observation.base_pose.inverse()
-        return None if self._T_map_odom is None else self._T_map_odom @ observation.base_pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +133,8 @@ class DriveAround:
         area_m: Lower and upper corner of where the base's centre may be, map frame [m]; None for everywhere.
         clear_m: What to keep from things, where the robot is not nearer already [m].
         rules: How hard to look for a way.
+        part: What is sought; None to drive over it.
+        bumps: What the bumper has found that the map does not show.
     """
 
     robot: Robot
@@ -124,35 +144,91 @@ class DriveAround:
     area_m: tuple[tuple[float, float], tuple[float, float]] | None = None
     clear_m: float = CLEAR_M
     rules: SearchRules = RULES
+    part: Part | None = None
+    bumps: list[Body] = field(default_factory=list)
 
     def way(
-        self, observation: Observation, joints: FloatArray, T_base_goal: Pose2, approach: Approach | None = None
+        self,
+        observation: Observation,
+        joints: FloatArray,
+        T_base_goal: Pose2,
+        approach: Approach | None = None,
+        beside: PartEstimate | None = None,
+        stands: Pose2 | None = None,
     ) -> tuple[Pose2, ...]:
         """Find where to drive straight to, one pose after the other.
 
         Args:
-            observation: The newest stop.
+            observation: The newest stop. All poses are in the base frame as it was there.
             joints: How the arm is held while driving, shape (Q,).
-            T_base_goal: Where to, in the present base frame.
+            T_base_goal: Where to.
             approach: The part, if the drive leads to it.
+            beside: Where the part seems to be, if the drive is to pass beside it.
+            stands: Where the base is by now; where the stop was if None.
 
         Returns:
-            Poses in the present base frame, the last one the goal, or the nearest free place to it that a way leads
+            Poses, the last one the goal, or the nearest free place to it that a way leads
             to; the goal alone if nobody knows where the base stands; none if no way leads anywhere near.
+        """
+        T_map_stop, stands = self.where.base_pose(observation), stands or Pose2()
+        if T_map_stop is None:
+            T_map_stop, path = Pose2(), tuple(self.robot.configuration(joints, T) for T in (stands, T_base_goal))
+        else:
+            start = self.robot.configuration(joints, T_map_stop @ stands)
+            lying = () if beside is None or self.part is None else (self._lying(self.part, T_map_stop, beside),)
+            path = self._path(self._checker(start, lying), start, T_map_stop @ T_base_goal, approach)
+        if approach is not None and path:
+            path = first_part(path, approach.at_most_m)
+        T_stop_map = T_map_stop.inverse()
+        return tuple(T_stop_map @ configuration.base for configuration in path[1:])
+
+    def bumped(self, observation: Observation, joints: FloatArray, stands: Pose2, rest: Pose2) -> None:
+        """Put on the map what has stopped a drive: something narrow and low, just before the robot.
+
+        Args:
+            observation: The newest stop.
+            joints: How the arm is held, shape (Q,).
+            stands: Where the base came to stand, in the base frame of the stop.
+            rest: What is left of the drive, in the base frame now; one that only turns tells no place.
+        """
+        T_map_stop, length_m = self.where.base_pose(observation), float(np.hypot(rest.x_m, rest.y_m))
+        if T_map_stop is None or length_m < _TOLD_M:
+            return
+        start = self.robot.configuration(joints, T_map_stop @ stands)
+        ahead = start.base @ Pose2(0.0, 0.0, float(np.arctan2(rest.y_m, rest.x_m)))
+        for off_m in _BUMPS_M.tolist():
+            T = homogeneous(ahead @ Pose2(off_m, 0.0, 0.0))
+            T[2, 3] = BUMP_SIZE_M[2] / 2
+            body = Body(f"bump_{len(self.bumps) + 1}", Box(np.array(BUMP_SIZE_M)), T)
+            if not QuickCollisions(CollisionModel(self.robot, World((body,), floor_m=None))).touching(start):
+                self.bumps.append(body)
+                return
+
+    def where_now(self, observation: Observation) -> Pose2 | None:
+        """Pose of the frame of odometry on the map as of the newest stop; None if that is not known."""
+        T_map_base = self.where.base_pose(observation)
+        return None if T_map_base is None else T_map_base @ observation.base_pose.inverse()
+
+    def seen_from_base(self, observation: Observation, joints: FloatArray) -> World:
+        """What stands within reach, in the present base frame, over a floor.
+
+        The pose on the map has errors: what the robot seems to overlap where it stands is left out.
+
+        Args:
+            observation: The newest stop.
+            joints: How the arm is held, shape (Q,).
         """
         T_map_base = self.where.base_pose(observation)
         if T_map_base is None:
-            T_map_base, path = Pose2(), tuple(self.robot.configuration(joints, T) for T in (Pose2(), T_base_goal))
-        else:
-            path = self._path(self.robot.configuration(joints, T_map_base), T_base_goal, approach)
-        if approach is not None and path:
-            path = first_part(path, approach.at_most_m)
-        T_base_map = T_map_base.inverse()
-        return tuple(T_base_map @ configuration.base for configuration in path[1:])
+            return World()
+        back = homogeneous(T_map_base.inverse())
+        _, nearest_m = self._standing(self.robot.configuration(joints, T_map_base), self.world)
+        bodies = [body for body in self.world.bodies if 0.0 < nearest_m[body.name] < NEAR_M]
+        return World(tuple(replace(body, T_parent_body=back @ body.T_parent_body) for body in bodies))
 
-    def _path(self, start: Configuration, T_base_goal: Pose2, approach: Approach | None) -> Path:
+    def _path(self, checker: MotionChecker, start: Configuration, T_map_goal: Pose2, approach: Approach | None) -> Path:
         """Configurations on the map, from the start; empty if no way leads anywhere near the goal."""
-        checker, goal = self._checker(start), self._inside(start.base @ T_base_goal)
+        goal = self._inside(T_map_goal)
         found = plan_short_drive(checker, start, goal, self.rng, self.rules)
         if isinstance(found, Failure) and found.kind == GOAL_BLOCKED:
             for near in self._free_goals(checker, start, goal, approach):
@@ -184,26 +260,38 @@ class DriveAround:
                 if (count := count + 1) == _TRIED_GOALS:
                     return
 
-    def _checker(self, start: Configuration) -> MotionChecker:
+    def _checker(self, start: Configuration, lying: Sequence[Body]) -> MotionChecker:
         """Checks in the grown world; what the robot is near already is not grown, what it overlaps may be touched.
 
         It can only seem to overlap a thing: by the error of where it stands.
         """
-        plain = QuickCollisions(CollisionModel(self.robot, self.world))
-        nearest_m = {body.name: np.inf for body in self.world.bodies}
-        for pair, distance_m in zip(plain.pair_names, plain.distances(start), strict=True):
-            for name in nearest_m.keys() & set(pair):
-                nearest_m[name] = min(nearest_m[name], float(distance_m))
+        standing = self.world.with_bodies(*self.bumps)
+        plain, nearest_m = self._standing(start, standing.with_bodies(*lying))
         bodies = [
             replace(body, shape=grown(body.shape, self.clear_m))
             if nearest_m[body.name] > _AT_CORNERS * self.clear_m
             else body
-            for body in self.world.bodies
+            for body in standing.bodies
         ]
         allowed = [(row.first, row.second) for row in plain.touching(start)]
-        world = World(tuple(bodies), self.world.floor_m)
+        world = World((*bodies, *lying), self.world.floor_m)
         quick = QuickCollisions(CollisionModel(self.robot, world, allowed=allowed))
         return MotionChecker(quick, resolution_m=_RESOLUTION * self.clear_m + RESOLUTION_M)
+
+    def _standing(self, start: Configuration, world: World) -> tuple[QuickCollisions, dict[str, float]]:
+        """Checks in a world as it is, and how near each body is to the robot [m], below 0 where they overlap."""
+        plain = QuickCollisions(CollisionModel(self.robot, world))
+        nearest_m = {body.name: np.inf for body in world.bodies}
+        for pair, distance_m in zip(plain.pair_names, plain.distances(start), strict=True):
+            for name in nearest_m.keys() & set(pair):
+                nearest_m[name] = min(nearest_m[name], float(distance_m))
+        return plain, nearest_m
+
+    @staticmethod
+    def _lying(part: Part, T_map_base: Pose2, seen: PartEstimate) -> Body:
+        """The part that is sought, wider than it is but no higher: the hand may pass over it, the base not."""
+        shape = Box(part.size_m + np.array([2 * PART_CLEAR_M, 2 * PART_CLEAR_M, 0.0]))
+        return Body(part.part_id, shape, homogeneous(T_map_base) @ pose_of(seen))
 
 
 def _apart_m(pose: Pose2, point_m: FloatArray) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 from planners.beside_part import over_the_part, way_beside
 from planners.drive_around import Approach, DriveAround
 from planners.final_stops import FinalStops
+from planners.guided_drive import GuidedDrive, whole
 from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
 from planners.time_account import TimeAccount, TimeSpent
@@ -30,6 +31,7 @@ from rfcompass.types.configuration import Configuration
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.observation import Observation
 from rfcompass.types.proximity import ProximityMatrix
+from rfcompass.types.world import World
 
 # Where the hand works best on the youBot, base frame [m], and the poses of the hand around it: x, y [m] and the
 # heading of the jaws [rad]. Ours; chosen for unequal radii and directions, all within reach of the arm.
@@ -162,6 +164,10 @@ class Fetch:
             step = yield from self._hand_stop(*place)
         return step
 
+    def surroundings(self, step: FetchStep) -> World | None:
+        """What stands around at the newest stop, in its base frame; None where no map is known."""
+        return None if self.around is None else self.around.seen_from_base(step.observation, self._joints)
+
     def looks_from_another_side(self, step: FetchStep) -> bool:
         """Send the antenna to other sides of the part, where reflections are others; False if there is none left.
 
@@ -212,16 +218,13 @@ class Fetch:
         Returns:
             How far the robot got, as it believes.
         """
-        stands = Pose2()
         if self.around is None:
-            stands = self.device.move_base(T_base_goal)
-            self._time.drove([stands])
-            return stands
-        for pose in self.around.way(observation, self._joints, T_base_goal, approach):
-            moved = self.device.move_base(stands.inverse() @ pose)
-            stands = stands @ moved
+            moved = self.device.move_base(T_base_goal)
             self._time.drove([moved])
-        return stands
+            return moved
+        made = GuidedDrive(self.device, self.around).drive(observation, self._joints, [T_base_goal], approach)
+        self._time.drove(made)
+        return whole(made)
 
     def stand_over(self, step: FetchStep) -> None:
         """Drive so that the part lies under the hand, its long side across the base if θ is known.
@@ -232,11 +235,14 @@ class Fetch:
             step: The newest stop.
         """
         estimate, stands = step.estimate, Pose2()
-        for turn_rad in TURNS_RAD.tolist():
-            goal = over_the_part(estimate.centre_m, estimate.theta_rad, self.rules.hand_point_m, turn_rad)
-            if self.around is not None:
-                self.drive(step.observation, goal)
-                return
+        goals = [
+            over_the_part(estimate.centre_m, estimate.theta_rad, self.rules.hand_point_m, turn_rad)
+            for turn_rad in TURNS_RAD.tolist()
+        ]
+        if self.around is not None:
+            self._drive_around_part(self.around, step, goals)
+            return
+        for goal in goals:
             stands = stands @ self._drive_beside(stands.inverse() @ goal, stands.inverse().apply(estimate.centre_m))
             if _length_m(stands.inverse() @ goal) <= self.rules.lined_up_m:
                 return
@@ -246,7 +252,12 @@ class Fetch:
         if self.around is None:
             self._drive_beside(T_base_goal, step.estimate.centre_m)
         else:
-            self.drive(step.observation, T_base_goal)
+            self._drive_around_part(self.around, step, [T_base_goal])
+
+    def _drive_around_part(self, around: DriveAround, step: FetchStep, goals: Sequence[Pose2]) -> None:
+        """Drive to the first of these poses beside the part that a way around all that is known leads to."""
+        drive = GuidedDrive(self.device, around)
+        self._time.drove(drive.drive(step.observation, self._joints, goals, beside=step.estimate))
 
     def _drive_beside(self, T_base_goal: Pose2, part_m: FloatArray) -> Pose2:
         """Drive to a pose around the part, whose centre is at `part_m` (2,) [m], both in the frame of the base now.

@@ -84,7 +84,8 @@ class PickUp:
         """
         step, tries, drives, looks = found, 0, 0, 0
         while True:
-            answer = self.planner.plan(self.part, step.estimate, start=step.configuration)
+            around = self.fetch.surroundings(step)
+            answer = self.planner.plan(self.part, step.estimate, around, start=step.configuration)
             if looks < self.rules.max_looks and self._is_unsure(answer) and self.fetch.looks_from_another_side(step):
                 looks += 1
                 step = yield from self.fetch.measure_anew(part_moved=False)

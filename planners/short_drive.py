@@ -64,7 +64,17 @@ def shortened(
         a, b = between(rows[i], rows[i + 1], first - i), between(rows[j], rows[j + 1], last - j)
         if cost_m([a, b]) < cost_m([a, *rows[i + 1 : j + 1], b]) - 1e-6 and _is_free(checker, a, b):
             rows = [*rows[: i + 1], a, b, *rows[j + 1 :]]
-    return tuple(rows)
+    return _fewest(checker, rows)
+
+
+def _fewest(checker: MotionChecker, rows: Sequence[Configuration]) -> tuple[Configuration, ...]:
+    """Leave out what a free straight drive can skip, from the start on: the wheels slip anew with each drive."""
+    kept = [rows[0]]
+    while kept[-1] is not rows[-1]:
+        here = next(i for i, row in enumerate(rows) if row is kept[-1])
+        ahead = range(len(rows) - 1, here + 1, -1)
+        kept.append(next((rows[i] for i in ahead if _is_free(checker, rows[here], rows[i])), rows[here + 1]))
+    return tuple(kept)
 
 
 def _is_free(checker: MotionChecker, one: Configuration, other: Configuration) -> bool:

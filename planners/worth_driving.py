@@ -11,6 +11,7 @@ from rfcompass.types.tags import TagPositions
 # distance and more; and where the robot's own tags seemed twice as far apart as they are, by metres, however sure.
 LOST_M = 1.0
 MOST_STRETCHED = 2.0
+PLACED_M = 0.15  # ours: a part that is less well placed than this is no obstacle that one could drive around
 
 
 def is_worth_driving(estimate: PartEstimate, matrix: ProximityMatrix, anchors: TagPositions) -> bool:
@@ -27,3 +28,15 @@ def is_worth_driving(estimate: PartEstimate, matrix: ProximityMatrix, anchors: T
     if estimate.covariance is None:
         return True
     return bool(np.linalg.eigvalsh(estimate.covariance[:2, :2])[-1] <= LOST_M**2)
+
+
+def is_placed(estimate: PartEstimate) -> bool:
+    """Tell whether a part is known well enough to drive around where it seems to lie.
+
+    Args:
+        estimate: Where it is. One without samples is of no posterior: its covariance, if it has one, does not say how
+            far a pose from one stop's comparisons can be off.
+    """
+    if estimate.covariance is None or not len(estimate.samples):
+        return False
+    return bool(np.linalg.eigvalsh(estimate.covariance[:2, :2])[-1] <= PLACED_M**2)

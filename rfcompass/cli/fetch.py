@@ -71,6 +71,14 @@ def fetch(
     scene: Annotated[str | None, typer.Option(help="Room, by name or recipe file; room_los by default.")] = None,
     occluded: Annotated[bool, typer.Option(help="A board before the part, a chair over it: scene room_nlos.")] = False,
     others: Annotated[bool, typer.Option(help="All other tagged parts of its kind lie in the room, too.")] = False,
+    on_map: Annotated[
+        bool | None,
+        typer.Option(
+            "--map/--no-map",
+            help="Furniture is solid, and driven around; else it only echoes. By default it is "
+            "solid, except --occluded: a chair over the part leaves the arm little way.",
+        ),
+    ] = None,
     grasp: Annotated[bool, typer.Option(help="Grasp the part; a single tag tells no orientation to grasp by.")] = True,
     robot: Annotated[str, typer.Option(help="Robot that has a posture 'scan', by name or file.")] = "youbot",
     sigma: Annotated[float, typer.Option(min=0.0, help="Without radio: standard deviation of log m.")] = 0.05,
@@ -111,10 +119,12 @@ def fetch(
         task = FetchTask(
             robot=load_robot(robot), part=wanted[0], tags=tags, localizer=how.localizer, seed=seed,
             radio=how.radio, meter=how.meter, near=how.near, active_stops=how.active_stops, sigma=sigma,
+            map_pose=how.map_pose if on_map or (on_map is None and not occluded) else None,
         )  # fmt: skip
         asked: dict[str, object] = {"command": "fetch", "part": part, "mode": mode.value, "seed": seed, "tags": tags,
                  "estimator": estimator, "proximity": proximity, "scene": scene, "occluded": occluded,
-                 "others": others, "grasp": grasp, "robot": robot, "sigma": sigma}  # fmt: skip
+                 "others": others, "map": task.map_pose is not None, "grasp": grasp, "robot": robot,
+                 "sigma": sigma}  # fmt: skip
         options = FetchOptions(deliver, tuple(silent or ()), target, grasp, overwrite, show, as_json)
         if several:
             fetch_and_deliver(task, wanted, {**asked, "part": None}, options)

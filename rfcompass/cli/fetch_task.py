@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from rfcompass.arrays import plain
+from rfcompass.cli.estimates import one_line
 from rfcompass.cli.fetch_task_json import Delivered, actions_json, answers_json, events_json, pose_json
 from rfcompass.cli.output import EXIT_NO_ANSWER, messages, print_json
 from rfcompass.errors import InputError, NoAnswer
@@ -164,7 +165,10 @@ def _fetched(
     console = messages()
     for action in _actions(planned):
         console.print(f"planned   {action}", markup=False)
-    room = SimulatedTask(task, [wanted.part for wanted in planned[1:]], silent)
+    parts = [wanted.part for wanted in planned]
+    room = SimulatedTask(task, parts[1:], silent)
+    for name, seen in room.survey(parts).items() if len(parts) > 1 else ():
+        console.print(f"survey    {name}: {one_line(seen)}, from the start", markup=False)
     return [_one(room, wanted, asked, reel) for wanted in planned]
 
 
@@ -184,6 +188,8 @@ def _one(room: "SimulatedTask", wanted: "PartTask", asked: Mapping[str, object],
             room.check_delivered(put)
         except NoAnswer as failure:
             fetched.failure = failure
+    else:
+        room.left(part, fetched.steps[-1].step if fetched.steps else None)
     console.print(_said(wanted, fetched, put), markup=False)
     run = as_run(task, fetched, {**asked, "part": part.part_id}) if fetched.run.stops else None
     return Delivered(wanted, fetched, put, run)

@@ -10,6 +10,7 @@ from rfcompass.geometry.pose2 import Pose2
 from rfcompass.robots.collision_model import homogeneous
 from rfcompass.robots.hand import hand_of, opening_at
 from rfcompass.robots.robot import Robot
+from rfcompass.simulation.bumper import until_touching
 from rfcompass.simulation.grasp_oracle import GraspTry, PartOracle, Push
 from rfcompass.simulation.inventory import Inventory
 from rfcompass.simulation.inventory_averages import inventory_scan
@@ -25,6 +26,7 @@ from rfcompass.types.parts import Part
 from rfcompass.types.reads import Scan
 from rfcompass.types.robot_state import RobotState
 from rfcompass.types.tags import TagLayout, TagPositions
+from rfcompass.types.world import Body, World
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,6 +81,8 @@ class SimulatedRobot:
         slip: How far the wheels slip.
         area_m: Lower and upper corner of where the base's centre can be in the room [m]; its bumper stops it at the
             border. Everywhere if None.
+        solid: What stops a drive, in the room's frame. Parts that lie beside the one that is sought always do; the
+            sought one only where this is given.
         hand: The hand, where it is not that of the robot's URDF.
         grasp_noise: How tries of one grasp differ.
         push: How far a failed try moves the part.
@@ -93,6 +97,7 @@ class SimulatedRobot:
     sensor: RoomSensor = field(default_factory=NoisyDistances)
     slip: WheelSlip = field(default_factory=WheelSlip)
     area_m: tuple[tuple[float, float], tuple[float, float]] | None = None
+    solid: World | None = None
     hand: Hand | None = None
     grasp_noise: GraspNoise = field(default_factory=GraspNoise)
     push: Push = field(default_factory=Push)
@@ -147,6 +152,7 @@ class SimulatedRobot:
     def move_base(self, T_base_goal: Pose2) -> Pose2:
         """Drive until the goal or the bumper; the wheels slip, and the robot believes its wheels."""
         motion = self._until_bumper(T_base_goal)
+        motion = until_touching(self.robot, self._in_the_way(), Configuration(self.joints, self._true), motion)
         slip_m, slip_rad = self.rng.normal(0.0, self.slip.position_m, 2), self.rng.normal(0.0, self.slip.heading_rad)
         self._covariance = self._grown_covariance(motion)
         self._true = self._true @ motion @ Pose2(slip_m[0], slip_m[1], slip_rad)
@@ -273,6 +279,18 @@ class SimulatedRobot:
         shares = np.divide(room_m, drive_m, out=np.ones(2), where=drive_m != 0)
         share = float(np.clip(shares.min(), 0.0, 1.0))
         return Pose2(share * T_base_goal.x_m, share * T_base_goal.y_m, T_base_goal.theta_rad)
+
+    def _in_the_way(self) -> World:
+        """All that is solid now; a part that hangs in the hand is in nobody's way."""
+        lying = [(one.part, one.T_room_part) for one in self.room.others]
+        if self.solid is not None and self._T_hand_held is None:
+            lying.append((self.part, self.room.T_room_part))
+        bodies = [] if self.solid is None else list(self.solid.bodies)
+        for part, T_room_part in lying:
+            T = homogeneous(T_room_part)
+            T[2, 3] = part.resting_height_m
+            bodies.append(Body(part.part_id, part.shape, T))
+        return World(tuple(bodies))
 
     def _grown_covariance(self, motion: Pose2) -> FloatArray:
         """Covariance of the believed pose after one more move, to first order."""

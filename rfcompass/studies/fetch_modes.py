@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, Literal
 
 from planners.antenna_track import NearTrack
 from rfcompass.interfaces import Localizer, ProximityMeter
@@ -37,6 +37,7 @@ class FetchMode:
         localizer: Finds the part.
         near: How the antenna comes near the part; None if it drives one track always.
         active_stops: Whether the last stops are chosen by what they would tell.
+        map_pose: How the robot knows where it stands on a map, if it is to have one; None where there is no radio.
     """
 
     radio: RadioSetup | None
@@ -44,6 +45,7 @@ class FetchMode:
     localizer: Localizer
     near: NearTrack | None = None
     active_stops: bool = False
+    map_pose: Literal["radio", "start"] | None = None
 
     def in_scene(self, **changes: Any) -> "FetchMode":  # noqa: ANN401 - fields of the radio
         """Return the mode with other fields of its radio, such as the scene."""
@@ -68,11 +70,13 @@ def fetch_mode(mode: Mode, proximity: str | None = None, localizer: Localizer | 
         return FetchMode(radio=None, meter=None, localizer=localizer or own)
     if paper:
         own = PartitionLocalizer(centre="analytic")
-        return FetchMode(radio=PAPER_RADIO, meter=meter(kind), localizer=localizer or own)
+        # A robot under one straight track hardly sees from its tags where it stands; it is told at the start.
+        return FetchMode(radio=PAPER_RADIO, meter=meter(kind), localizer=localizer or own, map_pose="start")
     return FetchMode(
         radio=BEST_RADIO,
         meter=meter(kind),
         localizer=localizer or PosteriorLocalizer(),
         near=NearTrack(),
         active_stops=True,
+        map_pose="radio",
     )

@@ -38,7 +38,7 @@ from rfcompass.studies.study import trial_rng
 from rfcompass.types.parts import Part
 from rfcompass.types.scene import Scene
 from rfcompass.types.tags import TagLayout
-from rfcompass.types.world import World, world_of_scene
+from rfcompass.types.world import Body, World, world_of_scene
 
 SCAN_POSTURE = "scan"
 
@@ -107,6 +107,19 @@ class JudgedStep:
     T_room_base: Pose2
 
 
+@dataclass(frozen=True, slots=True)
+class OtherParts:
+    """What a robot knows about parts that it is not after now: obstacles.
+
+    Attributes:
+        where: Knows where the base stands on the map on which they are.
+        bodies: The parts, where they seem to lie on that map.
+    """
+
+    where: MapPose
+    bodies: tuple[Body, ...] = ()
+
+
 class SimulatedFetch:
     """The loop in a simulated room, judged step by step.
 
@@ -114,27 +127,23 @@ class SimulatedFetch:
         task: What to fetch.
         device: The robot in a room that was furnished before; it is after the task's part. None for a room of the
             task's own.
+        others: Other parts that it knows of; on the map of the room, if the task has one.
     """
 
-    def __init__(self, task: FetchTask, device: SimulatedRobot | None = None) -> None:
+    def __init__(self, task: FetchTask, device: SimulatedRobot | None = None, others: OtherParts | None = None) -> None:
         """Furnish the room and put the robot into it."""
         self._task = task
         self._device = furnish(task) if device is None else device
         self._first_stop = len(self._device.stops)
         heard = self._device.sensor
         self._scene = heard.scene.scene if isinstance(heard, RadioSensor) else None
+        antenna = None if task.cameras else antenna_of(task, self._device)
         if task.cameras:
             self._device.sensor = NoReader()
-        antenna = None
-        if task.near is not None and isinstance(heard, RadioSensor) and not task.cameras:
-            antenna = NearAntenna(self._device, task.near, keep_out_m=standing_m(heard.scene))
         localizer, rules, where = task.localizer, task.rules, self._known_pose()
         if task.cameras:
             localizer, rules = self._capture(), replace(rules, tags_tell_reach=False)
-        around = None
-        if where is not None and self._scene is not None:
-            world, searches = world_of_scene(self._scene), trial_rng("drive", task.seed)
-            around = DriveAround(task.robot, world, where, searches, DRIVE_AREA_M)
+        self._around = around = self._drives_around(others or (None if where is None else OtherParts(where)))
         start, final = task.robot.posture(SCAN_POSTURE), _final_stops(task.robot) if task.active_stops else None
         self._loop = Fetch(task.robot, self._device, localizer, start, rules, task.meter, antenna, around, final)
 
@@ -152,6 +161,11 @@ class SimulatedFetch:
     def device(self) -> SimulatedRobot:
         """The robot in its room: what a server puts behind a socket."""
         return self._device
+
+    @property
+    def around(self) -> DriveAround | None:
+        """Plans the drives around what the robot knows of; None if it drives straight."""
+        return self._around
 
     @property
     def robot(self) -> Robot:
@@ -201,6 +215,16 @@ class SimulatedFetch:
         planner = GraspPlanner(self._task.robot)
         for event in PickUp(self._loop, planner, self._task.part).events(found.step):
             yield self._judged(event) if isinstance(event, FetchStep) else event
+
+    def _drives_around(self, others: OtherParts | None) -> DriveAround | None:
+        """Drives around the furniture, where there is a map of it, and around other parts."""
+        if others is None:
+            return None
+        task, mapped = self._task, self._task.map_pose is not None and self._scene is not None
+        room = world_of_scene(self._scene) if mapped and self._scene is not None else World()
+        world, searches = room.with_bodies(*others.bodies), trial_rng("drive", task.seed)
+        area_m = DRIVE_AREA_M if mapped else None
+        return DriveAround(task.robot, world, others.where, searches, area_m, part=task.part)
 
     def _known_pose(self) -> MapPose | None:
         match self._task.map_pose:
@@ -253,8 +277,22 @@ def furnish(task: FetchTask, others: Sequence[Part] = ()) -> SimulatedRobot:
     start = task.robot.posture(SCAN_POSTURE)
     return SimulatedRobot(
         task.robot, task.part, layout, room, rng, start.joints, sensor, task.slip,
-        None if task.radio is None else DRIVE_AREA_M,
+        None if task.radio is None else DRIVE_AREA_M, _solid(task, sensor),
     )  # fmt: skip
+
+
+def antenna_of(task: FetchTask, device: SimulatedRobot) -> NearAntenna | None:
+    """Who sends the antenna's carrier nearer in the task's room; None if it drives one track always."""
+    if task.near is None or not isinstance(device.sensor, RadioSensor):
+        return None
+    return NearAntenna(device, task.near, keep_out_m=standing_m(device.sensor.scene))
+
+
+def _solid(task: FetchTask, sensor: RoomSensor) -> World | None:
+    """Furniture that stops the base, where the robot has a map of it; else it is only there for the radio."""
+    if task.map_pose is None or not isinstance(sensor, RadioSensor):
+        return None
+    return world_of_scene(sensor.scene.scene)
 
 
 def _sensor(task: FetchTask, room: PlaneRoom, layout: TagLayout, rng: np.random.Generator) -> RoomSensor:

@@ -41,11 +41,10 @@ def path_task(cell: Cell, seed: int) -> FetchTask:
     way = str(cell["way"])
     how = fetch_mode(Mode.PAPER if way == "paper" else Mode.BEST).in_scene(scene=SCENES[str(cell["sight"])])
     robot, part = robot_and_part()
-    # A robot under one straight track hardly sees from its tags where it stands; it is told at the start.
     return FetchTask(
         robot=robot, part=part, tags=TAGS, localizer=how.localizer, seed=seed, radio=how.radio, meter=how.meter,
         near=how.near, cameras=way == CAMERAS,
-        map_pose="cameras" if way == CAMERAS else "start" if way == "paper" else "radio",
+        map_pose="cameras" if way == CAMERAS else how.map_pose,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.measured:MEASURED_PROXIMITY",
     "rfcompass.studies.comparisons:COMPARISONS",
     "rfcompass.studies.fetches:FETCHES",
+    "rfcompass.studies.fetches:FETCHES_ON_A_MAP",
     "rfcompass.studies.path_ratio:PATH_RATIO",
     "rfcompass.studies.measured_target:MEASURED_TARGET",
     "rfcompass.studies.resolution:RESOLUTION",

@@ -149,8 +149,8 @@ def test_with_a_map_every_drive_beside_the_part_asks_it():
     class Map:
         asked = ()
 
-        def way(self, observation, joints, T_base_goal, approach=None):
-            self.asked = (*self.asked, T_base_goal)
+        def way(self, observation, joints, T_base_goal, approach=None, beside=None, stands=None):
+            self.asked = (*self.asked, (T_base_goal, beside))
             return (T_base_goal,)
 
     device = a_device()
@@ -160,4 +160,5 @@ def test_with_a_map_every_drive_beside_the_part_asks_it():
     loop.drive_to(step, Pose2(0.1, 0.0, 0.2))
     loop.stand_over(step)
     assert len(loop.around.asked) == before + 2
-    assert loop.around.asked[before] == Pose2(0.1, 0.0, 0.2)
+    assert loop.around.asked[before] == (Pose2(0.1, 0.0, 0.2), step.estimate)
+    assert loop.around.asked[before + 1][1] is step.estimate

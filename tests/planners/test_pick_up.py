@@ -147,7 +147,7 @@ def test_a_part_that_is_too_heavy_is_left_alone():
 
 def test_a_plan_without_certificates_is_not_carried_out():
     class Careless:
-        def plan(self, part, estimate, start):
+        def plan(self, part, estimate, world, start):
             return GraspPlan(start.joints, start.joints[None], start.joints[None], 0.07, 0.0)
 
     device = Device()

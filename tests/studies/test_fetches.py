@@ -3,8 +3,9 @@
 import pytest
 
 from rfcompass.errors import OutOfReach
+from rfcompass.studies import fetches
 from rfcompass.studies.fetch_modes import NOISY_DISTANCE, Mode, fetch_mode
-from rfcompass.studies.fetches import FETCHES, fetch_trial
+from rfcompass.studies.fetches import FETCHES, FETCHES_ON_A_MAP, fetch_on_map_trial, fetch_trial
 from rfcompass.studies.fetching import SimulatedFetch
 
 
@@ -58,3 +59,20 @@ def test_without_a_radio_there_is_no_meter_and_no_scene():
 @pytest.mark.parametrize("one", FETCHES.cells, ids=str)
 def test_distances_with_noise_are_tried_in_sight_only(one):
     assert FETCHES.applies(one, 1000) == (one["way"] != "distances, 5 % noise" or one["sight"] == "in sight")
+
+
+def test_on_a_map_furniture_is_solid_and_the_robot_knows_where_it_stands_from_its_tags(monkeypatch):
+    tasks = []
+    monkeypatch.setattr(fetches, "_fetched", lambda task: tasks.append(task) or {})
+    fetch_on_map_trial(cell(), 3, None)
+    fetch_trial(cell(way="best"), 3, None)
+    mapped, straight = tasks
+    assert (mapped.map_pose, straight.map_pose) == ("radio", None)
+    assert mapped.radio == straight.radio
+
+
+@pytest.mark.parametrize("one", FETCHES_ON_A_MAP.cells, ids=str)
+def test_fewer_hidden_rooms_are_tried_on_a_map(one):
+    hidden = one["sight"] == "hidden"
+    assert FETCHES_ON_A_MAP.applies(one, 1029) == (not hidden or one["tags"] == 4)
+    assert FETCHES_ON_A_MAP.applies(one, 1030) is not hidden
