@@ -117,6 +117,10 @@ class UnknownMeter(InputError):
     """No proximity meter of that name; carries `meter` and those that are `known`."""
 
 
+class TargetTooLarge(InputError):
+    """The target cannot lie in the workspace; carries `longest_m` and the workspace's `diagonal_m`."""
+
+
 class NoAnswer(RfCompassError):
     """The input is in order, but does not allow an answer."""
 
@@ -135,6 +139,14 @@ class NotFocused(NoAnswer):
 
 class NotInView(NoAnswer):
     """Cameras see too few markers of a body; carries the `body`, the `markers` in view and how many are `needed`."""
+
+
+class CameraBlocked(NoAnswer):
+    """A camera sees nothing, or only what stands right before it; carries `seen` pixels and their `median_m`."""
+
+
+class NotLocated(NoAnswer):
+    """A tag is not located well enough for what was asked, or not where it was asked for; carries `epc`."""
 
 
 class TooFewReads(NoAnswer):

@@ -146,9 +146,20 @@ class RobotScene:
         share = reach_map.share[tuple(voxels.T)]
         points_m = reach_map.origin_m + reach_map.spacing_m * voxels
         rgb = np.column_stack([1 - share, share, np.full(len(share), 0.2)])
-        cloud = shapes.PointCloud(points_m.T.astype(np.float32), rgb.T.astype(np.float32), size=reach_map.spacing_m / 3)
-        self._root["reach"].set_object(cloud)
+        self.draw_points("reach", points_m, rgb, reach_map.spacing_m / 3)
         self._root["reach"].set_transform(_lifted(T_world_base, 0.0))
+
+    def draw_points(self, node: str, points_m: FloatArray, rgb: FloatArray, size_m: float) -> None:
+        """Draw points in the world.
+
+        Args:
+            node: Path of the node, for example `"voxels/C"`.
+            points_m: Where they are [m], shape (P, 3).
+            rgb: Colour of each in [0, 1], shape (P, 3).
+            size_m: Edge of the square that stands for each [m].
+        """
+        cloud = shapes.PointCloud(points_m.T.astype(np.float32), rgb.T.astype(np.float32), size=size_m)
+        self._root[node].set_object(cloud)
 
     def draw_estimate(self, estimate: PartEstimate, T_world_base: Pose2, part: Part, tags_m: FloatArray) -> None:
         """Draw region and part of an estimate that is given in a base frame."""
