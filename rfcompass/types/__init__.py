@@ -19,6 +19,7 @@ from rfcompass.types.grasps import (
     RunLog,
 )
 from rfcompass.types.hands import Hand, Jaw
+from rfcompass.types.items import ItemSize
 from rfcompass.types.motions import STAGES, StageCertificate, TimedPath
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Assembly, Part, StablePose, TagSelection
@@ -54,6 +55,7 @@ __all__ = [
     "HalfSpaces",
     "Hand",
     "InstanceMasks",
+    "ItemSize",
     "Jaw",
     "MeasureAdvice",
     "Mesh",
