@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from rfcompass.simulation.piles.visibility import Sight as Sight
     from rfcompass.simulation.piles.visibility import sights as sights
     from rfcompass.simulation.piles.world import PileWorld as PileWorld
+    from rfcompass.simulation.piles.world import Settling as Settling
 
 _HOME = {
     "TARGET_RGB": "catalogue",
@@ -95,6 +96,7 @@ _HOME = {
     "Sight": "visibility",
     "sights": "visibility",
     "PileWorld": "world",
+    "Settling": "world",
 }
 
 __all__ = [
@@ -121,6 +123,7 @@ __all__ = [
     "PileWorld",
     "PoseNoise",
     "Pouring",
+    "Settling",
     "Sight",
     "TaggedItems",
     "TrueImage",

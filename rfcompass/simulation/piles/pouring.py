@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import PileError
+from rfcompass.errors import PileError, PileUnsettled
 from rfcompass.simulation.piles.engine import PilePhysics, flat_state, panel_order
 from rfcompass.simulation.piles.items import PileItem
 from rfcompass.simulation.piles.world import GRAVITY_M_S2, PileWorld
@@ -68,7 +68,12 @@ def pour(
         world.drag(pouring.drag_per_s)
         world.step(pouring.interval_s, _pulls(world, pouring.pull))
     world.drag(0.0)
-    world.settle()
+    rest = world.settle()
+    if not rest.at_rest:
+        message = (
+            f"after {rest.passed_s:.1f} s something still moves {1e3 * rest.moved_m:.2f} mm in a quarter of a second"
+        )
+        raise PileUnsettled(message, simulated_s=rest.passed_s, creep_m=rest.moved_m)
     return world
 
 

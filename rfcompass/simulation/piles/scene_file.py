@@ -39,10 +39,10 @@ def open_pile(path: str | Path) -> PileScene:
     content = _read(Path(path))
     try:
         scene = _scene(content)
-    except (KeyError, TypeError, AttributeError) as cause:
-        raise PileError(f"{path}: a key is missing or ill-typed: {cause}", file=str(path)) from cause
     except (PileError, ShapeError) as error:
         raise PileError(f"{path}: {error.message}", **{**error.numbers, "file": str(path)}) from error
+    except (KeyError, TypeError, ValueError, AttributeError) as cause:
+        raise PileError(f"{path}: a key is missing or ill-typed: {cause}", file=str(path)) from cause
     if (stored := content.get("sha256")) != scene.fingerprint:
         message = f"{path}: its contents have the hash {scene.fingerprint[:12]}, not the {str(stored)[:12]} it states"
         raise PileError(message, file=str(path), key="sha256", got=stored, expected=scene.fingerprint)
