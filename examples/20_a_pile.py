@@ -63,8 +63,8 @@ def draw(views: list[DepthView]) -> Figure:
 def page(scene: PileScene, world: PileWorld, path: Path) -> None:
     """Write the pile as a page, with the target shining through."""
     drawing = RobotScene()
-    drawing.look_at(np.array([0.0, 0.0, 0.05]), np.array([0.35, -0.35, 0.4]))
-    drawing.draw_shapes("pile", drawn_shapes(world, opacity=0.55, solid=(scene.target,)))
+    drawing.look_at(np.array([0.0, 0.0, 0.05]), np.array([0.25, -0.25, 0.3]))
+    drawing.draw_shapes("pile", drawn_shapes(world, opacity=0.25, solid=(scene.target,)))
     write_scene(path, drawing.window, f"{scene.family}, seed {scene.seed}")
 
 

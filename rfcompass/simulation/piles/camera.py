@@ -19,11 +19,11 @@ _AMBIENT = 0.35  # light that reaches a surface from anywhere, of all; the rest 
 class DepthNoise(Record):
     """What a stereo depth camera gets wrong.
 
-    The depth of a pixel scatters by σ = z² s / (f B) [D400-tuning], s the error of a disparity; 0.7 mm at 0.7 m. It is
-    white here; a real camera's is smooth over some pixels.
+    The depth of a pixel scatters by σ = z² s / (f B), what an error s of the disparity makes of z = f B / d [D400]; 0.7 mm
+    at 0.7 m. It is white here; a real camera's is smooth over some pixels.
 
     Attributes:
-        disparity_px: s, at the camera's full resolution [pixel].
+        disparity_px: s, at the camera's full resolution; ours [pixel].
         focal_px: f at full resolution, 1280 columns over 65 degrees [pixel].
         baseline_m: B, of the D415 [m].
         least_m: Nearer than this it sees nothing [m].
