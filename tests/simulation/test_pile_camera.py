@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import mujoco
 import numpy as np
 import pytest
 from pile_scenes import RED, at, inside, is_red, item, one_of_each, tiny, world_of
@@ -26,6 +25,7 @@ from rfcompass.simulation.piles import (
 from rfcompass.simulation.piles.camera import beside_edges
 from rfcompass.types import DepthView
 
+mujoco = pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 SMALL = CameraModel(width=96, height=54)
 
 

@@ -65,6 +65,15 @@ def test_the_database_holds_the_tagged_items_and_says_nothing_of_places(scene):
     assert set(tags.target_size.__slots__) == {"name", "size_m", "deformable", "epc"}
 
 
+def test_neither_epcs_nor_names_tell_the_numbers_of_items(scene):
+    seen = {}
+    for seed in range(30):
+        tags = tag_items(scene, "any", 6, np.random.default_rng(seed))
+        for tag, size in zip(tags.tags, tags.sizes, strict=True):
+            seen.setdefault((tag.epc, size.name), set()).add(tag.number)
+    assert set(map(len, seen.values())) == {6}
+
+
 def test_tags_are_on_their_items_wherever_those_went_and_leave_with_them(scene):
     tags = tag_items(scene, "any", 6, np.random.default_rng(0))
     world = scene.world()

@@ -19,8 +19,8 @@ _AMBIENT = 0.35  # light that reaches a surface from anywhere, of all; the rest 
 class DepthNoise(Record):
     """What a stereo depth camera gets wrong.
 
-    The depth of a pixel scatters by σ = z² s / (f B), what an error s of the disparity makes of z = f B / d [D400]; 0.7 mm
-    at 0.7 m. It is white here; a real camera's is smooth over some pixels.
+    The depth of a pixel scatters by σ = z² s / (f B), what an error s of the disparity d makes of z = f B / d [D400];
+    0.7 mm at 0.7 m. It is white here; a real camera's is smooth over some pixels.
 
     Attributes:
         disparity_px: s, at the camera's full resolution; ours [pixel].

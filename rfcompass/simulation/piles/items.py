@@ -111,9 +111,9 @@ class PileItem(Record):
         """Radius of a ball about the item's centre that holds it, however it lies [m]."""
         return float(np.linalg.norm(self.size_m) / 2)
 
-    def sized(self, epc: str | None = None) -> ItemSize:
-        """What a database says about it."""
-        return ItemSize(self.name, self.size_m, self.deformable, epc)
+    def sized(self, name: str, epc: str | None = None) -> ItemSize:
+        """What a database says about it, under a name that tells nothing of its number, the label in true masks."""
+        return ItemSize(name, self.size_m, self.deformable, epc)
 
     @property
     def radio_shape(self) -> Box | Cylinder:

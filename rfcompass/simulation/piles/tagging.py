@@ -97,10 +97,12 @@ def tag_items(scene: PileScene, placement: str, count: int, rng: np.random.Gener
     if placement == "target":
         chosen = [scene.target, *chosen]
     items = {item.number: item for item in scene.items}
-    tags = tuple(_tag(items[number], rng) for number in sorted(chosen))
-    known = {tag.number: tag.epc for tag in tags}
-    target = items[scene.target].sized(known.get(scene.target))
-    return TaggedItems(tags, tuple(items[n].sized(epc) for n, epc in known.items()), target)
+    # EPCs are dealt at random: what the database and the reader know must not tell the labels of true masks.
+    dealt = [int(number) for number in rng.permutation(np.array(chosen, dtype=np.int64))]
+    tags = tuple(_tag(items[number], index, rng) for index, number in enumerate(dealt))
+    sizes = tuple(items[tag.number].sized(f"{items[tag.number].kind}_{tag.epc[-3:]}", tag.epc) for tag in tags)
+    epc = next((tag.epc for tag in tags if tag.number == scene.target), None)
+    return TaggedItems(tags, sizes, items[scene.target].sized("target", epc))
 
 
 class _Neighbourhood:
@@ -156,7 +158,7 @@ def _chosen(must: Sequence[int], may: Sequence[int], count: int, placement: str,
     return [first, *(int(n) for n in rng.choice(others, count - 1, replace=False))]
 
 
-def _tag(item: PileItem, rng: np.random.Generator) -> ItemTag:
+def _tag(item: PileItem, index: int, rng: np.random.Generator) -> ItemTag:
     points, _, dipoles = item.tag_places()
     place = int(rng.integers(len(points)))
-    return ItemTag(f"5246434f4d50415353f{item.number:05x}", item.number, points[place], dipoles[place])
+    return ItemTag(f"5246434f4d50415353f{index:05x}", item.number, points[place], dipoles[place])
