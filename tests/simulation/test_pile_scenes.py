@@ -64,6 +64,7 @@ def test_a_scene_rests_on_the_table_and_holds_what_its_family_says(target_class)
     assert max(moved_m) <= 2e-3
 
 
+@pytest.mark.slow
 def test_numbers_do_not_tell_the_target():
     assert len({make_pile(TINY, seed, "open").target for seed in range(6)}) > 1
 
