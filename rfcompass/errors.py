@@ -101,6 +101,10 @@ class SceneError(InputError):
     """A scene, a room or what stands in it cannot be; carries, where known, the `key` and what was `got`."""
 
 
+class PileError(InputError):
+    """A pile, one of its items or a pile file cannot be; carries, where known, the `file`, `key` and what was `got`."""
+
+
 class PlanFileError(InputError):
     """A file of a grasp plan breaks the format, or holds a failure; carries `file` and, where known, `key`."""
 
@@ -163,6 +167,18 @@ class Infeasible(NoAnswer):
 
 class SolverFailed(NoAnswer):
     """A numerical solver stopped without a verdict; carries its `status`."""
+
+
+class NoPile(NoAnswer):
+    """No pile of the wanted kind came out; carries the `tries`, and how many ended at which `stage`."""
+
+
+class PileUnsettled(NoAnswer):
+    """Items do not come to rest, or the simulation blew up; carries the time `simulated_s` and the `creep_m` left."""
+
+
+class PileChanged(NoAnswer):
+    """A pile made anew from its seed is not the stored one; carries both hashes and the versions that made them."""
 
 
 class OutOfReach(NoAnswer):

@@ -19,6 +19,7 @@ from rfcompass.types.grasps import (
     RunLog,
 )
 from rfcompass.types.hands import Hand, Jaw
+from rfcompass.types.items import ItemSize
 from rfcompass.types.located_items import LocatedItem
 from rfcompass.types.motions import STAGES, StageCertificate, TimedPath
 from rfcompass.types.observation import Observation
@@ -56,6 +57,7 @@ __all__ = [
     "HalfSpaces",
     "Hand",
     "InstanceMasks",
+    "ItemSize",
     "Jaw",
     "LocatedItem",
     "MeasureAdvice",

@@ -129,6 +129,11 @@ class RobotScene:
                 node.set_object(solid_geometry(body.shape), material(colours.OBSTACLE, 0.5))
                 node.set_transform(body.T_parent_body @ T_solid_geometry(body.shape))
 
+    def draw_shapes(self, name: str, placed: Sequence[PlacedShape]) -> None:
+        """Draw shapes that stand still, such as the items of a pile, each under `name` and its link."""
+        for shape in placed:
+            self._draw_shape(f"{name}/{shape.link}", shape, np.eye(4))
+
     def draw_region(self, name: str, vertices_m: FloatArray, height_m: float = 0.002) -> None:
         """Draw a convex polygon on the floor; vertices in the world [m], counter-clockwise, shape (V, 2)."""
         if len(vertices_m) >= 3:
