@@ -112,7 +112,8 @@ def _footprint(a_m: float, b_m: float, yaw_rad: float, h: float) -> FloatArray:
     fine = (np.arange((2 * n + 1) * _FINE) - ((2 * n + 1) * _FINE - 1) / 2) * (h / _FINE)
     x, y = fine[:, None], fine[None, :]
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
-    inside = (np.abs(c * x + s * y) <= a_m / 2) & (np.abs(c * y - s * x) <= b_m / 2)
+    trifle = 1e-9 * h  # a sample on the border is inside at every yaw, whatever the rounding
+    inside = (np.abs(c * x + s * y) <= a_m / 2 + trifle) & (np.abs(c * y - s * x) <= b_m / 2 + trifle)
     cells = inside.reshape(2 * n + 1, _FINE, 2 * n + 1, _FINE).sum(axis=(1, 3)).astype(np.float64)
     # A rectangle thinner than the samples lies in the middle cell.
     cells[n, n] += cells.sum() == 0
