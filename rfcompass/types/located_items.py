@@ -18,8 +18,8 @@ class LocatedItem(Record):
     Attributes:
         fix: Where its tag is, in the world frame.
         item: Its name in the part database.
-        shortest_m: Shortest edge of its bounding box, d_s of [Boroushaki2023] [m].
-        longest_m: Longest edge of its bounding box, d_l of [Boroushaki2023] [m].
+        shortest_m: Shortest edge of its bounding box [m], d_s of [Boroushaki2023].
+        longest_m: Longest edge of its bounding box [m], d_l of [Boroushaki2023].
         deformable: True for an item that yields under load.
     """
 
