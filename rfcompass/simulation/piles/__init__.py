@@ -36,6 +36,11 @@ if TYPE_CHECKING:
     from rfcompass.simulation.piles.rays import TrueImage as TrueImage
     from rfcompass.simulation.piles.rays import cast_image as cast_image
     from rfcompass.simulation.piles.rays import count_alone as count_alone
+    from rfcompass.simulation.piles.scanning import PileRig as PileRig
+    from rfcompass.simulation.piles.scanning import PileScan as PileScan
+    from rfcompass.simulation.piles.scanning import TagCover as TagCover
+    from rfcompass.simulation.piles.scanning import scan_pile as scan_pile
+    from rfcompass.simulation.piles.scanning import tag_cover as tag_cover
     from rfcompass.simulation.piles.scene import FIRST_REPORT_SEED as FIRST_REPORT_SEED
     from rfcompass.simulation.piles.scene import PileScene as PileScene
     from rfcompass.simulation.piles.scene_file import open_pile as open_pile
@@ -83,6 +88,11 @@ _HOME = {
     "radio_scene": "pile_shapes",
     "Pouring": "pouring",
     "pour": "pouring",
+    "PileRig": "scanning",
+    "PileScan": "scanning",
+    "TagCover": "scanning",
+    "scan_pile": "scanning",
+    "tag_cover": "scanning",
     "FIRST_REPORT_SEED": "scene",
     "PileScene": "scene",
     "open_pile": "scene_file",
@@ -118,6 +128,8 @@ __all__ = [
     "PileFamily",
     "PileItem",
     "PilePhysics",
+    "PileRig",
+    "PileScan",
     "PileScene",
     "PileTally",
     "PileWorld",
@@ -125,6 +137,7 @@ __all__ = [
     "Pouring",
     "Settling",
     "Sight",
+    "TagCover",
     "TaggedItems",
     "TrueImage",
     "cast_image",
@@ -141,8 +154,10 @@ __all__ = [
     "pour",
     "radio_scene",
     "remake_pile",
+    "scan_pile",
     "scan_poses",
     "sights",
+    "tag_cover",
     "tag_items",
     "write_pile",
 ]
