@@ -1,4 +1,4 @@
-"""Take the pictures of docs/own_robot.md: python docs/take_pictures.py, from the project's folder; needs a Chromium."""
+"""Take the pictures of docs/own_robot.md and piles.md: python docs/take_pictures.py, from the project's folder; needs a Chromium."""
 
 import runpy
 import tempfile
@@ -20,6 +20,8 @@ def main() -> None:
         out = Path(folder)
         runpy.run_path("examples/16_your_own_robot.py")["main"](fast=True, out=out)
         take_picture(out / "my_ur5e.html", IMAGES / "own_robot.png", (1000, 560), at_s=END_S)
+        runpy.run_path("examples/20_a_pile.py")["main"](out=out)
+        take_picture(out / "pile.html", IMAGES / "pile.png", (800, 500))
         page = view_youbot().save(out / "youbot.html")
         take_picture(page, IMAGES / "grasp_view.png", (1000, 560), at_s=END_S)
 

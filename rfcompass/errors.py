@@ -101,6 +101,10 @@ class SceneError(InputError):
     """A scene, a room or what stands in it cannot be; carries, where known, the `key` and what was `got`."""
 
 
+class PileError(InputError):
+    """A pile, one of its items or a pile file cannot be; carries, where known, the `file`, `key` and what was `got`."""
+
+
 class PlanFileError(InputError):
     """A file of a grasp plan breaks the format, or holds a failure; carries `file` and, where known, `key`."""
 
@@ -115,6 +119,10 @@ class RobotFormatError(InputError):
 
 class UnknownMeter(InputError):
     """No proximity meter of that name; carries `meter` and those that are `known`."""
+
+
+class TargetTooLarge(InputError):
+    """The target cannot lie in the workspace; carries `longest_m` and the workspace's `diagonal_m`."""
 
 
 class NoAnswer(RfCompassError):
@@ -137,6 +145,14 @@ class NotInView(NoAnswer):
     """Cameras see too few markers of a body; carries the `body`, the `markers` in view and how many are `needed`."""
 
 
+class CameraBlocked(NoAnswer):
+    """A camera sees nothing, or only what stands right before it; carries `seen` pixels and their `median_m`."""
+
+
+class NotLocated(NoAnswer):
+    """A tag is not located well enough for what was asked, or not where it was asked for; carries `epc`."""
+
+
 class TooFewReads(NoAnswer):
     """A tag was heard too rarely to locate or compare it; carries `epc`, `reads` and `needed`."""
 
@@ -151,6 +167,18 @@ class Infeasible(NoAnswer):
 
 class SolverFailed(NoAnswer):
     """A numerical solver stopped without a verdict; carries its `status`."""
+
+
+class NoPile(NoAnswer):
+    """No pile of the wanted kind came out; carries the `tries`, and how many ended at which `stage`."""
+
+
+class PileUnsettled(NoAnswer):
+    """Items do not come to rest, or the simulation blew up; carries the time `simulated_s` and the `creep_m` left."""
+
+
+class PileChanged(NoAnswer):
+    """A pile made anew from its seed is not the stored one; carries both hashes and the versions that made them."""
 
 
 class OutOfReach(NoAnswer):

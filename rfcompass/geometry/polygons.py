@@ -41,7 +41,7 @@ def intersect_half_planes(A: FloatArray, b: FloatArray, bounds_m: FloatArray) ->
     Args:
         A: Normals, shape (M, 2).
         b: Right-hand sides, shape (M,).
-        bounds_m: Rectangle [[xmin, xmax], [ymin, ymax]] [m], shape (2, 2).
+        bounds_m: Rectangle [m], [[xmin, xmax], [ymin, ymax]], shape (2, 2).
 
     Returns:
         Vertices [m], counter-clockwise, shape (V, 2); V = 0 if the intersection is empty.

@@ -52,7 +52,7 @@ def deepest_cells(normals: FloatArray, beta_m: FloatArray, bounds_m: FloatArray,
     Args:
         normals: Unit normals n, or zero for a half-plane that is everything (β >= 0) or nothing, shape (M, 2).
         beta_m: Right-hand sides β of n · p <= β [m], shape (M,).
-        bounds_m: Rectangle [[xmin, xmax], [ymin, ymax]] [m].
+        bounds_m: Rectangle [m], [[xmin, xmax], [ymin, ymax]].
         max_cells: How many cells to keep.
     """
     bounds_m = _narrow(normals, beta_m, bounds_m)

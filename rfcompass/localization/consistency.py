@@ -44,7 +44,7 @@ class ConsistencyLocalizer:
         leaf_rad: Its extent in θ [rad].
         max_boxes: Boxes to keep; if that does not suffice, `gap` says what is left open. A budget in boxes gives
             the same answer on every machine; 1000 take about 5 ms.
-        bounds_m: Where the centre may lie, newest base frame [[xmin, xmax], [ymin, ymax]] [m]; 3 m about all
+        bounds_m: Where the centre may lie, newest base frame [m], [[xmin, xmax], [ymin, ymax]]; 3 m about all
             anchors if None.
         max_motions: Length of the window in stops.
         max_travel_m: Length of the window along the base's path [m].

@@ -227,7 +227,7 @@ def search(
     Args:
         G: Rows [n_x, n_y, g₂, g₃, β, |g|], shape (M, 6).
         prints: A random number for each row; their sum over the rows that a pose meets tells sets apart, shape (M,).
-        bounds: Where the centre may lie [[xmin, xmax], [ymin, ymax]] [m], shape (2, 2).
+        bounds: Where the centre may lie [m], [[xmin, xmax], [ymin, ymax]], shape (2, 2).
         leaf: Half sizes (x, y, θ) of a box that is not halved any more [m, m, rad], shape (3,).
         max_boxes: Boxes to keep before giving up, at least 64.
         poses: Filled with poses (x, y, θ), shape (P, 3).

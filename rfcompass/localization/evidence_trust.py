@@ -47,7 +47,7 @@ def trust(evidence: PartEvidence, bounds_m: FloatArray) -> TrustedEvidence:
 
     Args:
         evidence: What was heard.
-        bounds_m: Where the part's centre may lie [[xmin, xmax], [ymin, ymax]] [m].
+        bounds_m: Where the part's centre may lie [m], [[xmin, xmax], [ymin, ymax]].
     """
     dropped: list[int] = []
     seen = see_tags(evidence, bounds_m)

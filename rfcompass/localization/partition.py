@@ -33,7 +33,7 @@ class PartitionLocalizer:
         centre: `"analytic"`, `"chebyshev"` or `"centroid"`, see `solve_partition`.
         solver: `"fast"` or `"cvxpy"`.
         transitive_reduction: Leave out rows that follow from others; moves the analytic centre only.
-        bounds_m: Where the centre may lie, newest base frame [[xmin, xmax], [ymin, ymax]] [m]; 3 m about all
+        bounds_m: Where the centre may lie, newest base frame [m], [[xmin, xmax], [ymin, ymax]]; 3 m about all
             anchors if None. `bounds_about(hand_tags, 0.25)` says "about the hand".
         epsilon_step: By how much ε rises.
         max_epsilon: Largest ε that is tried.

@@ -35,7 +35,7 @@ class PartitionFile(Record):
 
     Attributes:
         stops: Stops, newest last.
-        bounds_m: Where the centre may lie [[xmin, xmax], [ymin, ymax]] [m], or None.
+        bounds_m: Where the centre may lie [m], [[xmin, xmax], [ymin, ymax]], or None.
     """
 
     stops: tuple[ComparedStop, ...]

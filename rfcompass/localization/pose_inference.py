@@ -70,7 +70,8 @@ def see_tags(evidence: PartEvidence, bounds_m: FloatArray) -> tuple[SeenTag, ...
 
     Args:
         evidence: What was heard.
-        bounds_m: Where the part's centre may lie [[xmin, xmax], [ymin, ymax]] [m]; a tag lies within its lever of that.
+        bounds_m: Where the part's centre may lie [m], [[xmin, xmax], [ymin, ymax]]; a tag lies within its lever of
+            that.
     """
     seen = []
     for point_m, table in zip(evidence.points_m, evidence.tables, strict=True):
@@ -90,7 +91,7 @@ def infer_pose(evidence: PartEvidence, seen: Sequence[SeenTag], bounds_m: FloatA
     Args:
         evidence: What was heard.
         seen: Where each tag seems to be, of the same evidence.
-        bounds_m: Where the part's centre may lie [[xmin, xmax], [ymin, ymax]] [m].
+        bounds_m: Where the part's centre may lie [m], [[xmin, xmax], [ymin, ymax]].
 
     Raises:
         Infeasible: If no pose inside the bounds has any probability.

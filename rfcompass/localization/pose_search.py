@@ -308,7 +308,7 @@ def pose_cells(
 
     Args:
         stack: Maps of the tags.
-        bounds_m: Where the part's centre may lie [[xmin, xmax], [ymin, ymax]] [m].
+        bounds_m: Where the part's centre may lie [m], [[xmin, xmax], [ymin, ymax]].
         limits: [how far below the best a log density may lie, over how many cells it must spread, smallest and largest
             side of a cell [m]].
         max_cells: Do not split into more cells than this.

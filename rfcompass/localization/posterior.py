@@ -97,7 +97,7 @@ class PosteriorLocalizer:
     Attributes:
         use: `"distances"`, `"comparisons"`, or `"auto"`: distances where the robot's own tags vouch for them.
         tempering: Power γ in (0, 1] of a comparison's likelihood; comparisons of one tag share its errors.
-        bounds_m: Where the centre may lie, newest base frame [[xmin, xmax], [ymin, ymax]] [m]. If None, 3 m about
+        bounds_m: Where the centre may lie, newest base frame [m], [[xmin, xmax], [ymin, ymax]]. If None, 3 m about
             all anchors, or farther if the distances are longer.
         lift_range_m: How much higher than stated the part may lie, (lowest, highest) [m]; None if its height is known.
             `sar_nearfield` takes the stated heights for granted: from scans it then measures anew at heights 5 cm

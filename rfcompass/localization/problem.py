@@ -31,7 +31,7 @@ class PartitionProblem(Record):
     Attributes:
         rows: Comparisons as half-spaces in the newest base frame, over 2 or 4 unknowns; `provenance` counts the
             comparisons of all stops in order.
-        bounds_m: Where the centre may lie [[xmin, xmax], [ymin, ymax]] [m], shape (2, 2).
+        bounds_m: Where the centre may lie [m], [[xmin, xmax], [ymin, ymax]], shape (2, 2).
         epsilon: Confidence threshold that chose the rows.
     """
 
@@ -58,7 +58,7 @@ class PartitionProblem(Record):
 
 
 def check_bounds(bounds_m: FloatArray) -> FloatArray:
-    """Freeze [[xmin, xmax], [ymin, ymax]] [m].
+    """Freeze a rectangle [m], [[xmin, xmax], [ymin, ymax]].
 
     Raises:
         ShapeError: If a lower bound is not below its upper one.
@@ -79,7 +79,7 @@ def bounds_about(points_m: FloatArray, margin_m: float = BOUNDS_MARGIN_M) -> Flo
         margin_m: How far beyond the points the part may lie [m].
 
     Returns:
-        [[xmin, xmax], [ymin, ymax]] [m], shape (2, 2).
+        Rectangle [m], [[xmin, xmax], [ymin, ymax]], shape (2, 2).
     """
     plane_m = np.asarray(points_m)[:, :2]
     return np.column_stack([plane_m.min(axis=0) - margin_m, plane_m.max(axis=0) + margin_m])
@@ -124,7 +124,7 @@ def build_partition(
     Args:
         stops: Stops, newest last.
         epsilon: Keep comparisons of this margin or more; those without margin are always kept.
-        bounds_m: Where the centre may lie [[xmin, xmax], [ymin, ymax]] [m]; 3 m about all anchors if None.
+        bounds_m: Where the centre may lie [m], [[xmin, xmax], [ymin, ymax]]; 3 m about all anchors if None.
         transitive_reduction: Leave out rows that are sums of others. The set of poses stays the same; its
             analytic centre moves, since each row repels.
         as_object: Treat all part tags as lying at the part's centre: Eq. 4 for any K.

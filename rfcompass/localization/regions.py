@@ -53,7 +53,7 @@ def tag_region(
         stops: Stops, newest last.
         target: Index k of the tag.
         epsilon: Confidence threshold of the comparisons.
-        bounds_m: Where the tag may lie [[xmin, xmax], [ymin, ymax]] [m]; 3 m about all anchors if None.
+        bounds_m: Where the tag may lie [m], [[xmin, xmax], [ymin, ymax]]; 3 m about all anchors if None.
 
     Returns:
         Vertices in the newest base frame [m], counter-clockwise, shape (V, 2); V = 0 if they contradict each other.

@@ -133,7 +133,7 @@ def tag_cells(
     Args:
         ranges: Whether the rows are distances or comparisons.
         rows: Table of this tag, shape (M, RANGE_COLUMNS) or (M, COMPARISON_COLUMNS).
-        bounds_m: Where the tag may be [[xmin, xmax], [ymin, ymax]] [m].
+        bounds_m: Where the tag may be [m], [[xmin, xmax], [ymin, ymax]].
         limits: [side of the first cells, smallest side [m], how far below the best a bound may lie, least spread].
         max_cells: Do not split more cells than a quarter of this.
 

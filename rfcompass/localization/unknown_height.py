@@ -46,7 +46,7 @@ def infer_lifted(
 
     Args:
         evidence: What was heard, with the part at its stated height.
-        bounds_m: Where the part's centre may lie [[xmin, xmax], [ymin, ymax]] [m].
+        bounds_m: Where the part's centre may lie [m], [[xmin, xmax], [ymin, ymax]].
         lifts_m: How much higher than stated the part may lie [m], shape (H,).
 
     Returns:

@@ -1,1 +1,47 @@
-"""Maps of where a hidden item can be, after FuseBot [Boroushaki2023]."""
+"""Maps of where a hidden item can be, after FuseBot [Boroushaki2023], section 4.
+
+    views ──map_views──▶ VisualMap ─▶ C ┐
+    tags  ──known_items, rf_certainty_map─▶ R ┴─fuse_maps─▶ C + R ──occupancy_map──▶ where the target can be
+
+Every map is a `VoxelGrid` over one `Workspace` that stands on the table.
+"""
+
+from rfcompass.mapping.camera import back_project, clean_depth_m
+from rfcompass.mapping.depth_segmenter import DepthSegmenter
+from rfcompass.mapping.network_segmenter import NetworkSegmenter, labels_of_masks
+from rfcompass.mapping.occupancy import fuse_maps, occupancy_map
+from rfcompass.mapping.readings import READINGS
+from rfcompass.mapping.rf_kernels import TagKernel, deformable_kernel, rigid_kernel
+from rfcompass.mapping.rf_map import RfKernels, RfMap, known_items, rf_certainty_map, tagged_target_map
+from rfcompass.mapping.target_kernels import TargetKernel, box_target, gaussian_target
+from rfcompass.mapping.visible_target import RED, ColourRule, VisibleTarget, find_visible_target
+from rfcompass.mapping.visual_map import LogOdds, VisualMap, map_views
+
+__all__ = [
+    "READINGS",
+    "RED",
+    "ColourRule",
+    "DepthSegmenter",
+    "LogOdds",
+    "NetworkSegmenter",
+    "RfKernels",
+    "RfMap",
+    "TagKernel",
+    "TargetKernel",
+    "VisibleTarget",
+    "VisualMap",
+    "back_project",
+    "box_target",
+    "clean_depth_m",
+    "deformable_kernel",
+    "find_visible_target",
+    "fuse_maps",
+    "gaussian_target",
+    "known_items",
+    "labels_of_masks",
+    "map_views",
+    "occupancy_map",
+    "rf_certainty_map",
+    "rigid_kernel",
+    "tagged_target_map",
+]

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rfcompass.simulation.inventory import Misses as Misses
     from rfcompass.simulation.inventory import simulate_inventory as simulate_inventory
     from rfcompass.simulation.inventory_averages import inventory_scan as inventory_scan
+    from rfcompass.simulation.mask_noise import MaskNoise as MaskNoise
     from rfcompass.simulation.motion_capture import CameraRig as CameraRig
     from rfcompass.simulation.motion_capture import MotionCapture as MotionCapture
     from rfcompass.simulation.placed_tags import DUAL_DIPOLE as DUAL_DIPOLE
@@ -81,6 +82,7 @@ _HOME = {
     "backscatter": "echoes",
     "image_indices": "field",
     "one_way_field": "field",
+    "MaskNoise": "mask_noise",
     "CameraRig": "motion_capture",
     "Gen2Slots": "gen2",
     "GraspTry": "grasp_oracle",
@@ -168,6 +170,7 @@ __all__ = [
     "GraspTry",
     "Heard",
     "Inventory",
+    "MaskNoise",
     "Misses",
     "MotionCapture",
     "NoiseModel",

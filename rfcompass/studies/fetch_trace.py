@@ -79,10 +79,11 @@ def _reads_and_poses(heard: Sequence[tuple[int, Inventory | None]]) -> tuple[pa.
             stop_ids += [stop_id] * len(of_stop)
             rows += list(inventory.antenna_rows(first_pose_id=first))
             first += len(inventory.nominal_track)
-    return reads_table(reads, stop_ids), _antenna_poses(rows)
+    return reads_table(reads, stop_ids), antenna_poses(rows)
 
 
-def _antenna_poses(rows: Sequence[AntennaRow]) -> AntennaPoses:
+def antenna_poses(rows: Sequence[AntennaRow]) -> AntennaPoses:
+    """Gather where antennas were believed to be, as a trace keeps it."""
     return AntennaPoses(
         pose_ids=np.array([row.pose_id for row in rows], dtype=np.int64),
         antennas=np.array([row.antenna for row in rows], dtype=np.int64),

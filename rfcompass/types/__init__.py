@@ -19,6 +19,8 @@ from rfcompass.types.grasps import (
     RunLog,
 )
 from rfcompass.types.hands import Hand, Jaw
+from rfcompass.types.items import ItemSize
+from rfcompass.types.located_items import LocatedItem
 from rfcompass.types.motions import STAGES, StageCertificate, TimedPath
 from rfcompass.types.observation import Observation
 from rfcompass.types.parts import Assembly, Part, StablePose, TagSelection
@@ -30,6 +32,7 @@ from rfcompass.types.robot_state import RobotState
 from rfcompass.types.shapes import Box, Cylinder, Mesh, Sphere
 from rfcompass.types.tags import ROLES, TagLayout, TagPositions
 from rfcompass.types.volumes import SearchVolume
+from rfcompass.types.workspace import Workspace
 from rfcompass.types.world import Body, Clearance, World, world_of_scene
 
 __all__ = [
@@ -54,7 +57,9 @@ __all__ = [
     "HalfSpaces",
     "Hand",
     "InstanceMasks",
+    "ItemSize",
     "Jaw",
+    "LocatedItem",
     "MeasureAdvice",
     "Mesh",
     "Observation",
@@ -80,6 +85,7 @@ __all__ = [
     "TagSelection",
     "TimedPath",
     "VoxelGrid",
+    "Workspace",
     "World",
     "canonical_epc",
     "world_of_scene",

@@ -160,12 +160,12 @@ class Part(Record):
 
     @property
     def shortest_m(self) -> float:
-        """Shortest dimension, d_s of [Boroushaki2023] [m]."""
+        """Shortest dimension [m], d_s of [Boroushaki2023]."""
         return float(self.size_m.min())
 
     @property
     def longest_m(self) -> float:
-        """Longest dimension, d_l of [Boroushaki2023] [m]."""
+        """Longest dimension [m], d_l of [Boroushaki2023]."""
         return float(self.size_m.max())
 
     @property

@@ -35,8 +35,18 @@ class DepthView(Record):
             set_(self, "colour", read_only(self.colour, "DepthView.colour", (*self.depth_m.shape, 3), np.int64))
         if self.intrinsics[0, 0] <= 0 or self.intrinsics[1, 1] <= 0:
             raise ShapeError("DepthView.intrinsics: focal lengths must be positive", name="intrinsics")
+        if self.intrinsics[2].tolist() != [0, 0, 1]:
+            raise ShapeError("DepthView.intrinsics: the last row must be 0, 0, 1", name="intrinsics")
+        _check_rigid(self.T_world_camera)
         if np.isinf(self.depth_m).any() or (self.depth_m <= 0).any():
             raise ShapeError("DepthView.depth_m: must be positive, or NaN where nothing was seen", name="depth_m")
+
+
+def _check_rigid(T_world_camera: FloatArray) -> None:
+    R = T_world_camera[:3, :3]
+    turns = np.abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0
+    if not (turns and T_world_camera[3].tolist() == [0, 0, 0, 1]):
+        raise ShapeError("DepthView.T_world_camera: is no rigid transform", name="T_world_camera")
 
 
 @dataclass(frozen=True, slots=True)

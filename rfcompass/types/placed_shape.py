@@ -1,4 +1,4 @@
-"""Shapes to draw, placed in the world: all that a viewer needs to know about a robot."""
+"""Shapes to draw, placed in the world: all that a viewer needs to know about a robot or a pile."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ from rfcompass.types.record import Record
 # Kinds of mesh files that viewers draw.
 DRAWN_MESHES = (".stl", ".obj")
 # Numbers that each kind of shape has.
-DIMENSIONS = {"box": 3, "cylinder": 2, "sphere": 1, "mesh": 3}
+DIMENSIONS = {"box": 3, "cylinder": 2, "sphere": 1, "ellipsoid": 3, "mesh": 3}
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,9 +21,9 @@ class PlacedShape(Record):
 
     Attributes:
         link: Link that it belongs to.
-        kind: `"box"`, `"cylinder"` (axis along z), `"sphere"` or `"mesh"`.
-        dimensions_m: Box: edges along x, y, z; cylinder: radius, length; sphere: radius [m]. Mesh: scale along
-            x, y, z, a plain factor. The origin of a primitive is its centre.
+        kind: `"box"`, `"cylinder"` (axis along z), `"sphere"`, `"ellipsoid"` or `"mesh"`.
+        dimensions_m: Box: edges along x, y, z; cylinder: radius, length; sphere: radius; ellipsoid: half-axes
+            along x, y, z [m]. Mesh: scale along x, y, z, a plain factor. The origin of a primitive is its centre.
         T_world_shape: Homogeneous pose, shape (4, 4).
         rgba: Red, green, blue, opacity, each in [0, 1], shape (4,).
         mesh: File of a mesh; None for a primitive.

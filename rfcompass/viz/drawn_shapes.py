@@ -41,6 +41,8 @@ def placed_geometry(shape: PlacedShape) -> shapes.Geometry:
             return shapes.Cylinder(length, radius)
         case "sphere":
             return shapes.Sphere(float(shape.dimensions_m[0]))
+        case "ellipsoid":
+            return shapes.Ellipsoid(shape.dimensions_m.tolist())
     loader = None if shape.mesh is None else _LOADERS.get(shape.mesh.suffix.lower())
     if loader is None:
         raise InputError(f"link {shape.link}: cannot draw mesh {shape.mesh}", link=shape.link)

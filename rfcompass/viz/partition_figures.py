@@ -33,7 +33,7 @@ def draw_partition(
         estimate: The answer in the same frame.
         part: Tags on the part.
         part_length_m: Length of the part along its x axis [m], for its outline.
-        bounds_m: What to show, [[xmin, xmax], [ymin, ymax]] [m], shape (2, 2).
+        bounds_m: What to show [m], [[xmin, xmax], [ymin, ymax]], shape (2, 2).
     """
     figure = Figure(figsize=(7, 7), layout="constrained")
     axes = figure.add_subplot()

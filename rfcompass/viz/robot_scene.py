@@ -129,6 +129,11 @@ class RobotScene:
                 node.set_object(solid_geometry(body.shape), material(colours.OBSTACLE, 0.5))
                 node.set_transform(body.T_parent_body @ T_solid_geometry(body.shape))
 
+    def draw_shapes(self, name: str, placed: Sequence[PlacedShape]) -> None:
+        """Draw shapes that stand still, such as the items of a pile, each under `name` and its link."""
+        for shape in placed:
+            self._draw_shape(f"{name}/{shape.link}", shape, np.eye(4))
+
     def draw_region(self, name: str, vertices_m: FloatArray, height_m: float = 0.002) -> None:
         """Draw a convex polygon on the floor; vertices in the world [m], counter-clockwise, shape (V, 2)."""
         if len(vertices_m) >= 3:
@@ -146,9 +151,20 @@ class RobotScene:
         share = reach_map.share[tuple(voxels.T)]
         points_m = reach_map.origin_m + reach_map.spacing_m * voxels
         rgb = np.column_stack([1 - share, share, np.full(len(share), 0.2)])
-        cloud = shapes.PointCloud(points_m.T.astype(np.float32), rgb.T.astype(np.float32), size=reach_map.spacing_m / 3)
-        self._root["reach"].set_object(cloud)
+        self.draw_points("reach", points_m, rgb, reach_map.spacing_m / 3)
         self._root["reach"].set_transform(_lifted(T_world_base, 0.0))
+
+    def draw_points(self, node: str, points_m: FloatArray, rgb: FloatArray, size_m: float) -> None:
+        """Draw points in the world.
+
+        Args:
+            node: Path of the node, for example `"voxels/C"`.
+            points_m: Where they are [m], shape (P, 3).
+            rgb: Colour of each in [0, 1], shape (P, 3).
+            size_m: Edge of the square that stands for each [m].
+        """
+        cloud = shapes.PointCloud(points_m.T.astype(np.float32), rgb.T.astype(np.float32), size=size_m)
+        self._root[node].set_object(cloud)
 
     def draw_estimate(self, estimate: PartEstimate, T_world_base: Pose2, part: Part, tags_m: FloatArray) -> None:
         """Draw region and part of an estimate that is given in a base frame."""

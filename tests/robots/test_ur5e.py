@@ -74,3 +74,29 @@ def test_its_postures_point_down_before_the_foot_touch_nothing_and_have_the_hand
     assert 0.1 < pose.translation[2] < 0.4
     assert not QuickCollisions(CollisionModel(DESCRIBED, with_tags=True)).collides(posture)
     assert posture.joints[-2:] == pytest.approx([0.0425, 0.0425])
+
+
+def test_the_camera_looks_along_the_tool_and_does_not_see_the_hand():
+    open_hand = DESCRIBED.posture("ready")
+    T_camera_base = DESCRIBED.link_pose(open_hand, "camera_optical_link").inverse().homogeneous
+    tool = DESCRIBED.tool_pose(open_hand)
+    assert T_camera_base[:3, :3] @ tool.rotation @ DESCRIBED.tool.approach_axis == pytest.approx([0, 0, 1], abs=1e-12)
+    hand = [shape for shape in DESCRIBED.collision_shapes if "finger" in shape.link or "palm" in shape.link]
+    assert len(hand) == 4
+    for shape in hand:
+        T = T_camera_base @ DESCRIBED.link_pose(open_hand, shape.link).homogeneous @ shape.T_link_shape
+        size_m = np.array(shape.dimensions_m)
+        half_m = size_m / 2 if shape.kind == "box" else np.array([size_m[0], size_m[0], size_m[1] / 2])
+        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        points_m = (corners * half_m) @ T[:3, :3].T + T[:3, 3]
+        ahead = points_m[points_m[:, 2] > 0]
+        assert (np.abs(ahead[:, 1] / ahead[:, 2]) > np.tan(np.radians(20.0))).all()
+
+
+def test_the_transmitter_is_where_the_wrist_rig_has_it():
+    still = DESCRIBED.configuration()
+    receiver, transmitter = (DESCRIBED.link_pose(still, f"antenna_{name}_link") for name in ("rx", "tx"))
+    T = (receiver.inverse() * transmitter).homogeneous
+    assert pytest.approx(np.array([[1, 0, 0, 0], [0, 1, 0, 0.10], [0, 0, 1, 0], [0, 0, 0, 1]]), abs=1e-12) == T
+    boresight = receiver.rotation[:, 0]
+    assert boresight == pytest.approx(DESCRIBED.tool_pose(still).rotation @ DESCRIBED.tool.approach_axis, abs=1e-12)
