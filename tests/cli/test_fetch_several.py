@@ -124,8 +124,8 @@ def test_a_silent_part_ends_with_a_reason_and_the_others_are_still_fetched(run, 
 
 @pytest.mark.slow
 def test_by_radio_a_silent_part_is_looked_for_from_every_corner_and_the_others_are_delivered(run, tmp_path):
-    options = ("--silent", LEGS[1], "--seed", 2, "--no-map", "--out", tmp_path / "task", "--database", ":memory:", "--json")
-    ran = run("fetch", "--all-of", "LACK", *options)
+    options = ("--silent", LEGS[1], "--seed", 2, "--out", tmp_path / "task", "--database", ":memory:", "--json")
+    ran = run("fetch", "--all-of", "LACK", "--no-map", *options)
     assert ran.code == 1
     by_name = {answer["part"]: answer for answer in ran.json["parts"]}
     assert by_name[LEGS[1]]["failure"]["kind"] == "TagNeverHeard"
