@@ -55,6 +55,10 @@ NEAR_M = 1.5  # ours: what is further from the robot than this is in no grasp's 
 BUMP_SIZE_M = (0.02, 0.2, 0.05)
 _BUMPS_M = np.arange(0.1, 1.0, 0.01)
 _TOLD_M = 0.01
+# Ours: a bump so near to where the part seems to lie [m] is the part's (half its length and a hand); one so near to a
+# body of the map is that body's.
+AT_PART_M = 0.35
+AT_BODY_M = 0.15
 # A corner of a grown box is this much further out than the margin.
 _AT_CORNERS = np.sqrt(3.0)
 
@@ -135,6 +139,7 @@ class DriveAround:
         rules: How hard to look for a way.
         part: What is sought; None to drive over it.
         bumps: What the bumper has found that the map does not show.
+        wary: Names of bodies that it has found where it should not.
     """
 
     robot: Robot
@@ -146,6 +151,7 @@ class DriveAround:
     rules: SearchRules = RULES
     part: Part | None = None
     bumps: list[Body] = field(default_factory=list)
+    wary: set[str] = field(default_factory=set)
 
     def way(
         self,
@@ -175,34 +181,59 @@ class DriveAround:
             T_map_stop, path = Pose2(), tuple(self.robot.configuration(joints, T) for T in (stands, T_base_goal))
         else:
             start = self.robot.configuration(joints, T_map_stop @ stands)
-            lying = () if beside is None or self.part is None else (self._lying(self.part, T_map_stop, beside),)
+            near = beside is not None and np.linalg.norm(stands.translation_m - beside.centre_m) <= NEAR_M
+            lying = (self._lying(self.part, T_map_stop, beside),) if near and beside and self.part else ()
             path = self._path(self._checker(start, lying), start, T_map_stop @ T_base_goal, approach)
         if approach is not None and path:
             path = first_part(path, approach.at_most_m)
         T_stop_map = T_map_stop.inverse()
         return tuple(T_stop_map @ configuration.base for configuration in path[1:])
 
-    def bumped(self, observation: Observation, joints: FloatArray, stands: Pose2, rest: Pose2) -> None:
-        """Put on the map what has stopped a drive: something narrow and low, just before the robot.
+    def bumped(
+        self, observation: Observation, joints: FloatArray, stands: Pose2, rest: Pose2, part_m: FloatArray | None = None
+    ) -> bool:
+        """Learn from what has stopped a drive.
+
+        Beside a thing of the map it is that thing: from now on twice the distance is kept from it. Elsewhere it is put
+        on the map: something narrow and low, just before the robot.
 
         Args:
             observation: The newest stop.
             joints: How the arm is held, shape (Q,).
             stands: Where the base came to stand, in the base frame of the stop.
             rest: What is left of the drive, in the base frame now; one that only turns tells no place.
+            part_m: Where the part seems to be [m], shape (2,), if that is where the drive led; frame of the stop.
+
+        Returns:
+            Whether to look for another way; False beside the part, and where nothing was learnt.
         """
         T_map_stop, length_m = self.where.base_pose(observation), float(np.hypot(rest.x_m, rest.y_m))
         if T_map_stop is None or length_m < _TOLD_M:
-            return
+            return False
         start = self.robot.configuration(joints, T_map_stop @ stands)
-        ahead = start.base @ Pose2(0.0, 0.0, float(np.arctan2(rest.y_m, rest.x_m)))
+        bump = self._before(start, float(np.arctan2(rest.y_m, rest.x_m)))
+        if bump is None:
+            return False
+        place_m = bump.T_parent_body[:2, 3]
+        if part_m is not None and np.linalg.norm(T_map_stop.apply(part_m) - place_m) <= AT_PART_M:
+            return False
+        known = [body.name for body in self.world.bodies if _beside_m(body, place_m) <= AT_BODY_M]
+        if known:
+            self.wary.update(known)
+        else:
+            self.bumps.append(bump)
+        return True
+
+    def _before(self, start: Configuration, direction_rad: float) -> Body | None:
+        """A narrow box before the robot, as near as it touches nothing; None if there is no such place."""
+        ahead = start.base @ Pose2(0.0, 0.0, direction_rad)
         for off_m in _BUMPS_M.tolist():
             T = homogeneous(ahead @ Pose2(off_m, 0.0, 0.0))
             T[2, 3] = BUMP_SIZE_M[2] / 2
             body = Body(f"bump_{len(self.bumps) + 1}", Box(np.array(BUMP_SIZE_M)), T)
             if not QuickCollisions(CollisionModel(self.robot, World((body,), floor_m=None))).touching(start):
-                self.bumps.append(body)
-                return
+                return body
+        return None
 
     def where_now(self, observation: Observation) -> Pose2 | None:
         """Pose of the frame of odometry on the map as of the newest stop; None if that is not known."""
@@ -268,8 +299,8 @@ class DriveAround:
         standing = self.world.with_bodies(*self.bumps)
         plain, nearest_m = self._standing(start, standing.with_bodies(*lying))
         bodies = [
-            replace(body, shape=grown(body.shape, self.clear_m))
-            if nearest_m[body.name] > _AT_CORNERS * self.clear_m
+            replace(body, shape=grown(body.shape, self._clear_m(body)))
+            if nearest_m[body.name] > _AT_CORNERS * self._clear_m(body)
             else body
             for body in standing.bodies
         ]
@@ -277,6 +308,9 @@ class DriveAround:
         world = World((*bodies, *lying), self.world.floor_m)
         quick = QuickCollisions(CollisionModel(self.robot, world, allowed=allowed))
         return MotionChecker(quick, resolution_m=_RESOLUTION * self.clear_m + RESOLUTION_M)
+
+    def _clear_m(self, body: Body) -> float:
+        return (2.0 if body.name in self.wary else 1.0) * self.clear_m
 
     def _standing(self, start: Configuration, world: World) -> tuple[QuickCollisions, dict[str, float]]:
         """Checks in a world as it is, and how near each body is to the robot [m], below 0 where they overlap."""
@@ -296,6 +330,15 @@ class DriveAround:
 
 def _apart_m(pose: Pose2, point_m: FloatArray) -> float:
     return float(np.linalg.norm(pose.translation_m - point_m))
+
+
+def _beside_m(body: Body, point_m: FloatArray) -> float:
+    """Distance of a point of the floor from the outline of an upright body's bounding box [m]."""
+    T = body.T_parent_body
+    own_m = T[:2, :2].T @ (point_m - T[:2, 3])
+    return float(
+        np.linalg.norm(np.maximum(0.0, np.maximum(body.shape.lower_m[:2] - own_m, own_m - body.shape.upper_m[:2])))
+    )
 
 
 def _near(goal: Pose2) -> list[Pose2]:

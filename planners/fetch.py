@@ -205,15 +205,16 @@ class Fetch:
         D, rules = step.estimate.distance_m, self.rules
         nearby = next_goal(step.estimate, max(0.5, 1.0 - rules.stand_off_m / D))
         near_m = 0.95 * rules.reach_m  # the wheels slip, and the next estimate is another
-        self.drive(step.observation, nearby, Approach(step.estimate.centre_m, near_m, min(D / 2, rules.max_step_m)))
+        approach = Approach(step.estimate.centre_m, near_m, min(D / 2, rules.max_step_m))
+        guided = GuidedDrive(self.device, self.around)
+        self._time.drove(guided.drive(step.observation, self._joints, [nearby], approach))
 
-    def drive(self, observation: Observation, T_base_goal: Pose2, approach: Approach | None = None) -> Pose2:
+    def drive(self, observation: Observation, T_base_goal: Pose2) -> Pose2:
         """Drive to a pose in the base frame of the newest stop, or as near as known obstacles allow.
 
         Args:
             observation: That stop.
             T_base_goal: Where to.
-            approach: The part, if the drive leads to it around obstacles.
 
         Returns:
             How far the robot got, as it believes.
@@ -222,7 +223,7 @@ class Fetch:
             moved = self.device.move_base(T_base_goal)
             self._time.drove([moved])
             return moved
-        made = GuidedDrive(self.device, self.around).drive(observation, self._joints, [T_base_goal], approach)
+        made = GuidedDrive(self.device, self.around).drive(observation, self._joints, [T_base_goal])
         self._time.drove(made)
         return whole(made)
 

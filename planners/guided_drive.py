@@ -14,6 +14,7 @@ from rfcompass.types.observation import Observation
 
 # Ours.
 MOST_BUMPS = 3
+BACK_M = 0.15  # after a bump the robot goes back so far, along the way that it came
 SHORT_M, SHORT_RAD = 0.02, np.radians(2.0)  # a drive that ends this much before its goal was stopped
 REACHED_M = 0.05  # a way that ends further from its goal leads somewhere near it
 
@@ -51,6 +52,7 @@ class GuidedDrive:
             The straight drives that were made, each in the base frame before it, as the robot believes.
         """
         stands, made = Pose2(), list[Pose2]()
+        part_m = approach.part_m if approach is not None else None if beside is None else beside.centre_m
         for _ in range(MOST_BUMPS + 1):
             bumped = False
             for pose in self._way(observation, joints, goals, approach, beside, stands):
@@ -58,11 +60,14 @@ class GuidedDrive:
                 moved = self.device.move_base(asked)
                 made.append(moved)
                 stands = stands @ moved
-                if bumped := is_short(asked, moved):
-                    self.around.bumped(observation, joints, stands, moved.inverse() @ asked)
+                if is_short(asked, moved):
+                    rest = moved.inverse() @ asked
+                    bumped = self.around.bumped(observation, joints, stands, rest, part_m)
                     break
             if not bumped:
                 break
+            made.append(self.device.move_base(_back(moved)))
+            stands = stands @ made[-1]
         return tuple(made)
 
     def _way(
@@ -87,6 +92,14 @@ def is_short(asked: Pose2, moved: Pose2) -> bool:
     """Whether something stopped a drive before it was over."""
     rest = moved.inverse() @ asked
     return bool(np.hypot(rest.x_m, rest.y_m) > SHORT_M or abs(rest.theta_rad) > SHORT_RAD)
+
+
+def _back(moved: Pose2) -> Pose2:
+    """The last of a drive, backwards, without turning."""
+    length_m = float(np.hypot(moved.x_m, moved.y_m))
+    share = 0.0 if length_m == 0.0 else min(1.0, BACK_M / length_m)
+    x_m, y_m = Pose2(0.0, 0.0, -moved.theta_rad).apply(np.array([-share * moved.x_m, -share * moved.y_m])).tolist()
+    return Pose2(x_m, y_m, 0.0)
 
 
 def whole(made: Sequence[Pose2]) -> Pose2:

@@ -116,10 +116,11 @@ def fetch(
         how = fetch_modes.fetch_mode(
             fetch_modes.Mode(mode), proximity, None if estimator is None else localizer(estimator)
         ).in_scene(scene="room_nlos" if occluded else scene or "room_los", others=near)  # fmt: skip
+        mapped = on_map or (on_map is None and not occluded)
         task = FetchTask(
             robot=load_robot(robot), part=wanted[0], tags=tags, localizer=how.localizer, seed=seed,
             radio=how.radio, meter=how.meter, near=how.near, active_stops=how.active_stops, sigma=sigma,
-            map_pose=how.map_pose if on_map or (on_map is None and not occluded) else None,
+            map_pose=how.map_pose if mapped else None, solid=mapped,
         )  # fmt: skip
         asked: dict[str, object] = {"command": "fetch", "part": part, "mode": mode.value, "seed": seed, "tags": tags,
                  "estimator": estimator, "proximity": proximity, "scene": scene, "occluded": occluded,

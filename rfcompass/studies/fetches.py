@@ -26,7 +26,7 @@ def fetch_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str,
 
 def fetch_on_map_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, MetricValue]:  # noqa: ARG001
     """Fetch once, furniture in the way of base and arm; else as `fetch_trial`."""
-    return _fetched(replace(_task(cell, seed, Mode.BEST), map_pose=fetch_mode(Mode.BEST).map_pose))
+    return _fetched(replace(_task(cell, seed, Mode.BEST), map_pose=fetch_mode(Mode.BEST).map_pose, solid=True))
 
 
 def _task(cell: Cell, seed: int, mode: Mode, proximity: str | None = None) -> FetchTask:

@@ -63,6 +63,7 @@ class FetchTask:
         active_stops: Whether the last stops are chosen by what they would tell.
         map_pose: How the robot knows where it stands on a map of the room, to drive around what stands there:
             `"radio"` (its own tags), `"start"` (told at the start, then odometry), `"cameras"`; None to drive straight.
+        solid: Whether furniture stops the base, and the part as well; else it is only there for radio, carrier and map.
         cameras: Find the part by motion capture in place of the radio, whose room it then is.
     """
 
@@ -80,6 +81,7 @@ class FetchTask:
     near: NearTrack | None = None
     active_stops: bool = False
     map_pose: Literal["radio", "start", "cameras"] | None = None
+    solid: bool = False
     cameras: bool = False
 
     def __post_init__(self) -> None:
@@ -289,8 +291,8 @@ def antenna_of(task: FetchTask, device: SimulatedRobot) -> NearAntenna | None:
 
 
 def _solid(task: FetchTask, sensor: RoomSensor) -> World | None:
-    """Furniture that stops the base, where the robot has a map of it; else it is only there for the radio."""
-    if task.map_pose is None or not isinstance(sensor, RadioSensor):
+    """Furniture that stops the base; None if it does not."""
+    if not (task.solid and isinstance(sensor, RadioSensor)):
         return None
     return world_of_scene(sensor.scene.scene)
 

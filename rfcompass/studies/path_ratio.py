@@ -148,7 +148,8 @@ PATH_RATIO = Study(
     note=(
         "Two part tags, nine robot tags. Start and part are drawn 2 to 5.3 m apart, what the area between the tracks "
         "of a 6 x 5 m room allows. The straight line leads from start to end of the way. The shortest way is that of "
-        "a disc as wide as the base, around what reaches the floor: a lower bound. Ratios are of runs that end "
+        "a disc as wide as the base, around what reaches the floor: a lower bound. Nothing stops the base but the "
+        "border of its area; `runs that touch nothing` says how often nothing would have. Ratios are of runs that end "
         "with the part within 0.7 m. `best` sees from its own tags where it is on the map, `paper` is told at the "
         "start. Motion capture: eight cameras of unlimited view under the ceiling, four markers on the part; it looks "
         "under a chair that is open below, unlike the paper's, which found no hidden part."
