@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planners.drive_around import DriveAround, KnownStart
-from planners.guided_drive import MOST_BUMPS, GuidedDrive, is_short, whole
+from planners.guided_drive import BACK_M, MOST_BUMPS, GuidedDrive, _back, is_short, whole
 from rfcompass.geometry import Pose2
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import CollisionModel, QuickCollisions, YouBot
@@ -86,6 +86,7 @@ def test_the_sought_part_is_driven_around_where_it_seems_to_lie():
     assert np.allclose(device.true_pose_in_room().translation_m, GOAL.translation_m, atol=1e-6)
 
 
+@settings(max_examples=8)
 @given(st.floats(-np.pi, np.pi), st.floats(0.1, 2.0))
 def test_what_was_bumped_into_is_put_just_before_the_robot(direction, rest_m):
     device, guide = a_device(), around()
@@ -106,3 +107,41 @@ def test_a_turn_that_was_stopped_tells_no_place():
 @pytest.mark.parametrize(("moved", "short"), [(Pose2(1.0, 0.0, 0.0), False), (Pose2(0.9, 0.0, 0.0), True)])
 def test_a_drive_is_short_if_much_of_it_is_left(moved, short):
     assert is_short(Pose2(1.0, 0.0, 0.0), moved) is short
+
+
+def test_a_bump_beside_the_part_is_the_parts_and_ends_the_drive():
+    device, guide = a_device(), around()
+    assert not guide.bumped(device.scan(), JOINTS, Pose2(), Pose2(1.0, 0.0, 0.0), np.array([0.6, 0.1]))
+    assert guide.bumped(device.scan(), JOINTS, Pose2(), Pose2(1.0, 0.0, 0.0), np.array([1.6, 0.1]))
+    assert len(guide.bumps) == 1
+
+
+def test_a_bump_beside_a_thing_of_the_map_is_that_thing_which_is_kept_away_from_more():
+    T = np.eye(4)
+    T[:2, :2], T[:2, 3], T[2, 3] = T_MAP_ODOM.rotation, T_MAP_ODOM.apply(np.array([0.45, 0.0])), 0.25
+    guide = DriveAround(
+        ROBOT,
+        World((Body("desk", Box(np.array([0.2, 0.5, 0.5])), T),)),
+        KnownStart(T_MAP_ODOM),
+        np.random.default_rng(0),
+    )
+    assert guide.bumped(a_device().scan(), JOINTS, Pose2(), Pose2(1.0, 0.0, 0.0))
+    assert (guide.bumps, guide.wary) == ([], {"desk"})
+
+
+def test_after_a_bump_the_robot_goes_back_the_way_it_came():
+    device, guide = a_device(standing(1.3, 0.0, (0.1, 0.15, 0.05))), around()
+    made = GuidedDrive(device, guide).drive(device.scan(), JOINTS, [GOAL])
+    forward, back = made[:2]
+    assert forward.x_m > 0.5
+    assert np.isclose(back.x_m, -BACK_M)
+    assert (back.y_m, back.theta_rad) == (0.0, 0.0)
+
+
+@given(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3, 3))
+def test_backing_off_undoes_the_end_of_a_straight_drive(x_m, y_m, theta_rad):
+    moved = Pose2(x_m, y_m, theta_rad)
+    end_m = (moved @ _back(moved)).translation_m
+    length_m = float(np.hypot(x_m, y_m))
+    assert np.isclose(np.linalg.norm(end_m), max(0.0, length_m - BACK_M), atol=1e-9)
+    assert abs(end_m[0] * y_m - end_m[1] * x_m) <= 1e-6

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rfcompass.geometry import Pose2
@@ -31,6 +31,7 @@ def test_an_empty_world_stops_nobody():
     assert until_touching(ROBOT, World(), Configuration(JOINTS), motion) == motion
 
 
+@settings(max_examples=12)
 @given(st.floats(0.6, 2.5), st.floats(-np.pi, np.pi))
 def test_a_wall_ahead_ends_the_drive_just_before_it(ahead_m, heading):
     start, world = Configuration(JOINTS, Pose2(0.0, 0.0, heading)), standing(ahead_m, 0.0, (0.1, 5.0, 1.0))
