@@ -8,8 +8,10 @@ Every map is a `VoxelGrid` over one `Workspace` that stands on the table.
 
 from rfcompass.mapping.camera import back_project, clean_depth_m
 from rfcompass.mapping.depth_segmenter import DepthSegmenter
+from rfcompass.mapping.item_occupancy import item_occupancy, items_occupancy
 from rfcompass.mapping.network_segmenter import NetworkSegmenter, labels_of_masks
 from rfcompass.mapping.occupancy import fuse_maps, occupancy_map
+from rfcompass.mapping.posterior_map import PosteriorRules, posterior_map
 from rfcompass.mapping.readings import READINGS
 from rfcompass.mapping.rf_kernels import TagKernel, deformable_kernel, rigid_kernel
 from rfcompass.mapping.rf_map import RfKernels, RfMap, known_items, rf_certainty_map, tagged_target_map
@@ -24,6 +26,7 @@ __all__ = [
     "DepthSegmenter",
     "LogOdds",
     "NetworkSegmenter",
+    "PosteriorRules",
     "RfKernels",
     "RfMap",
     "TagKernel",
@@ -37,10 +40,13 @@ __all__ = [
     "find_visible_target",
     "fuse_maps",
     "gaussian_target",
+    "item_occupancy",
+    "items_occupancy",
     "known_items",
     "labels_of_masks",
     "map_views",
     "occupancy_map",
+    "posterior_map",
     "rf_certainty_map",
     "rigid_kernel",
     "tagged_target_map",
