@@ -3,11 +3,14 @@
     views ──map_views──▶ VisualMap ─▶ C ┐
     tags  ──known_items, rf_certainty_map─▶ R ┴─fuse_maps─▶ C + R ──occupancy_map──▶ where the target can be
 
+`posterior_map` is ours, beside the paper's: the probability of the target's place given views, tags and sizes.
+
 Every map is a `VoxelGrid` over one `Workspace` that stands on the table.
 """
 
 from rfcompass.mapping.camera import back_project, clean_depth_m
 from rfcompass.mapping.depth_segmenter import DepthSegmenter
+from rfcompass.mapping.item_lookup import located_items, tagged_items
 from rfcompass.mapping.item_occupancy import item_occupancy, items_occupancy
 from rfcompass.mapping.network_segmenter import NetworkSegmenter, labels_of_masks
 from rfcompass.mapping.occupancy import fuse_maps, occupancy_map
@@ -44,10 +47,12 @@ __all__ = [
     "items_occupancy",
     "known_items",
     "labels_of_masks",
+    "located_items",
     "map_views",
     "occupancy_map",
     "posterior_map",
     "rf_certainty_map",
     "rigid_kernel",
+    "tagged_items",
     "tagged_target_map",
 ]

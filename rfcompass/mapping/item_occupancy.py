@@ -16,7 +16,7 @@ from rfcompass.arrays import BoolArray, FloatArray, IntArray
 from rfcompass.types.tagged_items import TaggedItem
 from rfcompass.types.workspace import Workspace
 
-# Ours: places and turns of one item; the share that lies flat on one of its sides, the others are turned anyhow; and
+# Ours: places and turns of one item, enough for errors of its tag of up to 10 cm; the share that lies flat on one of its sides, the others are turned anyhow; and
 # what sticking out costs.
 DRAWS = 512
 FLAT_SHARE = 0.5
