@@ -16,8 +16,8 @@ from rfcompass.arrays import BoolArray, FloatArray, IntArray
 from rfcompass.types.tagged_items import TaggedItem
 from rfcompass.types.workspace import Workspace
 
-# Ours: places and turns of one item, enough for errors of its tag of up to 10 cm; the share that lies flat on one of its sides, the others are turned anyhow; and
-# what sticking out costs.
+# Ours: places and turns of one item, enough for errors of its tag of up to 10 cm; the share that lies flat on a side,
+# the others are turned anyhow; and what sticking out costs.
 DRAWS = 512
 FLAT_SHARE = 0.5
 STICKING_OUT = 25.0

@@ -20,6 +20,7 @@ from rfcompass.mapping import (
     posterior_map,
     rf_certainty_map,
 )
+from rfcompass.mapping.item_lookup import SIGMA_M
 from rfcompass.simulation.piles import PileScan, PileScene, PileWorld, TaggedItems, scan_pile, tag_items
 from rfcompass.studies.metric import Metric
 from rfcompass.studies.pile_scan import located, workspace, wrist_way
@@ -28,9 +29,6 @@ from rfcompass.studies.study import Cell, Study
 from rfcompass.types import ItemSize, LocatedItem, TagFix, TaggedItem, VoxelGrid
 
 TAGS, FEW, SPACING_M = 8, 4, 0.01
-# Error of a noisy fix along each axis: the distance then has a median of 3.60 and a 90 % quantile of 5.85 cm, as in
-# Table 5 of [Boroushaki2023]. Estimators are told this, also for fixes by radio.
-SIGMA_M = 0.0234
 READINGS = ("consistent", "literal_cm", "literal_m")
 FIXES = ("exact", "noisy")
 
