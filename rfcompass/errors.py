@@ -149,6 +149,10 @@ class CameraBlocked(NoAnswer):
     """A camera sees nothing, or only what stands right before it; carries `seen` pixels and their `median_m`."""
 
 
+class NothingHidden(NoAnswer):
+    """Views looked into every voxel that they reached: nothing can be hidden; carries how many `voxels`."""
+
+
 class NotLocated(NoAnswer):
     """A tag is not located well enough for what was asked, or not where it was asked for; carries `epc`."""
 

@@ -3,13 +3,18 @@
     views ──map_views──▶ VisualMap ─▶ C ┐
     tags  ──known_items, rf_certainty_map─▶ R ┴─fuse_maps─▶ C + R ──occupancy_map──▶ where the target can be
 
+`posterior_map` is ours, beside the paper's: the probability of the target's place given views, tags and sizes.
+
 Every map is a `VoxelGrid` over one `Workspace` that stands on the table.
 """
 
 from rfcompass.mapping.camera import back_project, clean_depth_m
 from rfcompass.mapping.depth_segmenter import DepthSegmenter
+from rfcompass.mapping.item_lookup import located_items, tagged_items
+from rfcompass.mapping.item_occupancy import item_occupancy, items_occupancy
 from rfcompass.mapping.network_segmenter import NetworkSegmenter, labels_of_masks
 from rfcompass.mapping.occupancy import fuse_maps, occupancy_map
+from rfcompass.mapping.posterior_map import PosteriorRules, posterior_map
 from rfcompass.mapping.readings import READINGS
 from rfcompass.mapping.rf_kernels import TagKernel, deformable_kernel, rigid_kernel
 from rfcompass.mapping.rf_map import RfKernels, RfMap, known_items, rf_certainty_map, tagged_target_map
@@ -24,6 +29,7 @@ __all__ = [
     "DepthSegmenter",
     "LogOdds",
     "NetworkSegmenter",
+    "PosteriorRules",
     "RfKernels",
     "RfMap",
     "TagKernel",
@@ -37,11 +43,16 @@ __all__ = [
     "find_visible_target",
     "fuse_maps",
     "gaussian_target",
+    "item_occupancy",
+    "items_occupancy",
     "known_items",
     "labels_of_masks",
+    "located_items",
     "map_views",
     "occupancy_map",
+    "posterior_map",
     "rf_certainty_map",
     "rigid_kernel",
+    "tagged_items",
     "tagged_target_map",
 ]

@@ -18,6 +18,8 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.accuracy:ACCURACY",
     "rfcompass.studies.polarisation:POLARISATION",
     "rfcompass.studies.fusebot:FUSEBOT_LOCALISATION",
+    "rfcompass.studies.pile_tags:PILE_TAGS",
+    "rfcompass.studies.map_quality:MAP_QUALITY",
     "rfcompass.studies.grasp_trials:GRASP_TRIALS",
 )
 

@@ -30,6 +30,7 @@ from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
 from rfcompass.types.robot_state import RobotState
 from rfcompass.types.shapes import Box, Cylinder, Mesh, Sphere
+from rfcompass.types.tagged_items import TaggedItem
 from rfcompass.types.tags import ROLES, TagLayout, TagPositions
 from rfcompass.types.volumes import SearchVolume
 from rfcompass.types.workspace import Workspace
@@ -83,6 +84,7 @@ __all__ = [
     "TagPositions",
     "TagRead",
     "TagSelection",
+    "TaggedItem",
     "TimedPath",
     "VoxelGrid",
     "Workspace",
