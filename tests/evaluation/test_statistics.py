@@ -2,11 +2,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import binom
 
 from rfcompass.errors import InputError, ShapeError
 from rfcompass.evaluation import statistics
 from rfcompass.evaluation.statistics import (
     bootstrap_interval,
+    exact_interval,
     paired_difference_interval,
     quantile_of,
     sample_statistic,
@@ -87,6 +89,25 @@ def test_never_in_ten_trials_is_below_a_quarter_or_so():
     assert np.allclose([wilson_interval(0, 10).low, wilson_interval(0, 10).high], [0.0, z2 / (10 + z2)])
 
 
+@given(st.integers(1, 200), st.data(), st.sampled_from((0.8, 0.95)))
+def test_at_the_limits_of_the_exact_interval_so_many_successes_are_a_chance_of_the_tail(n, data, level):
+    s = data.draw(st.integers(0, n))
+    interval, tail = exact_interval(s, n, level), (1 - level) / 2
+    if s:
+        assert np.isclose(binom.sf(s - 1, n, interval.low), tail)
+    if s < n:
+        assert np.isclose(binom.cdf(s, n, interval.high), tail)
+    assert interval.low <= s / n <= interval.high
+    mirrored = exact_interval(n - s, n, level)
+    assert np.allclose([interval.low, interval.high], [1 - mirrored.high, 1 - mirrored.low])
+
+
+def test_all_or_nothing_has_an_exact_interval_on_one_side():
+    assert np.isclose(exact_interval(60, 60).low, 0.025 ** (1 / 60))
+    assert exact_interval(60, 60).high == 1.0
+    assert exact_interval(0, 60).low == 0.0
+
+
 def test_nothing_has_no_statistic():
     with pytest.raises(ShapeError):
         bootstrap_interval(np.zeros(0), "mean", np.random.default_rng(0))
@@ -94,6 +115,10 @@ def test_nothing_has_no_statistic():
         wilson_interval(0, 0)
     with pytest.raises(InputError):
         wilson_interval(4, 3)
+    with pytest.raises(InputError):
+        exact_interval(0, 0)
+    with pytest.raises(InputError):
+        exact_interval(-1, 3)
     with pytest.raises(ShapeError):
         paired_difference_interval(np.zeros(3), np.zeros(2), "mean", np.random.default_rng(0))
 
