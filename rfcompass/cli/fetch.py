@@ -116,7 +116,7 @@ def fetch(
         how = fetch_modes.fetch_mode(
             fetch_modes.Mode(mode), proximity, None if estimator is None else localizer(estimator)
         ).in_scene(scene="room_nlos" if occluded else scene or "room_los", others=near)  # fmt: skip
-        mapped = on_map or (on_map is None and not occluded)
+        mapped = on_map or (on_map is None and not occluded and not several)
         task = FetchTask(
             robot=load_robot(robot), part=wanted[0], tags=tags, localizer=how.localizer, seed=seed,
             radio=how.radio, meter=how.meter, near=how.near, active_stops=how.active_stops, sigma=sigma,
