@@ -296,6 +296,24 @@ def bench_table(runs):
     return table(("computed on one thread", "ours:", "peer", "ratio:"), *lines)
 
 
+def write_piles(runs):
+    """Write the tables of the pages on piles."""
+    from write_piles import write
+
+    write(runs)
+
+
+def pile_tables(which):
+    """A table of the pages on piles, shown here as well."""
+
+    def made(runs):
+        import write_piles
+
+        return getattr(write_piles, which)(runs)
+
+    return made
+
+
 SECTIONS = (
     ("**Where are the tags?** `measured-survey`: ours (95 % interval); our own unpublished pilot study on all public\n"
      "sweeps of the set, with one channel for `hyperbolic`.", survey_table),
@@ -327,6 +345,11 @@ SECTIONS = (
      "(Fig. 10, 11) are of ten measured runs. Motion capture looks under our chair; in the paper it found no hidden part.", path_table),
     ("**Tags from the wrist.** `fusebot-localisation`: ours (95 % interval); FuseBot's Table 5, both sights together, on a\n"
      "real robot. A rank correlation of 1 would mean that a larger box always has the larger error.", fusebot_table),
+    ("**Tags in piles, from the arm.** `pile-tags`: error to the nearest point of the tag, median / 90 % quantile in cm (95 %\n"
+     "interval); FuseBot's Table 5. What lies over a tag, and what that does: [Scanning a pile](pile_scan.md).",
+     pile_tables("error_table")),
+    ("**Where is the hidden target?** `map-quality`: log-loss in bits · mean rank of the true voxel in %. What tags save:\n"
+     "[Posterior map](posterior_map.md).", pile_tables("maps_table")),
     ("**How fast?** `rfcompass bench`, ours and the peer's in one run.", bench_table),
 )  # fmt: skip
 
@@ -336,6 +359,7 @@ def headlines(runs):
     accuracy, resolution, wrist = (Results(runs, name) for name in ("accuracy", "resolution", "fusebot-localisation"))
     grasps = Results(runs, "grasp-trials")
     fetches, way = (Results(runs, name) for name in ("fetches", "path-ratio"))
+    piles, maps = Results(runs, "pile-tags"), Results(runs, "map-quality")
     survey, nearer, target = (Results(runs, f"measured-{name}") for name in ("survey", "proximity", "target"))
 
     def part(rig, method, column, *tags):
@@ -372,6 +396,12 @@ def headlines(runs):
         ["tag from the wrist, 200 MHz, two heights, in sight, median / 90 %",
          f"{both(wrist, 'in sight', 200.0, 'two', 'nearest_m')} cm", "3.6 / 6 cm, measured, hidden ones too", "simulated",
          "`fusebot-localisation`"],
+        ["tag in a pile, from the arm, three piles of 25, median / 90 %",
+         f"{both(piles, 'covered_3p25', 'two', 'nearest_m')} cm", "3.6 / 6 cm, measured", "simulated", "`pile-tags`"],
+        ["bits to the hidden target, three piles: cameras alone; the paper's map, 8 exact tags; posterior; the same with 8 tags",
+         " / ".join(maps.own("covered_3p25", f"bits_{name}", "mean")
+                    for name in ("c", "map_consistent_8_exact", "posterior_0", "posterior_8_exact")), "–", "simulated",
+         "`map-quality`"],
         ["tag from a rail of 1 m, in the plane, D1test / D2 / D4",
          " / ".join(survey.own(f, "hyperbolic", "plane_error_m", "median") for f in ("D1test", "D2", "D4")) + " cm",
          "–", "measured", "`measured-survey`"],
@@ -403,6 +433,7 @@ def main(runs):
     shown = f"{headlines(runs)}\n\n{fast}\n\n</details>"
     README.write_text(f"{before}{BEGIN}\n\n{shown}\n\n{END}{after}", encoding="utf-8")
     write_grasp_trials(runs)
+    write_piles(runs)
 
 
 if __name__ == "__main__":

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from planners.navigation import plan_drive as plan_drive
     from planners.path_search import SearchRules as SearchRules
     from planners.reachability import MapMaker as MapMaker
+    from planners.scan_motion import ScanMotion as ScanMotion
+    from planners.scan_motion import plan_scan as plan_scan
     from planners.straight_motion import StraightMotion as StraightMotion
     from planners.straight_motion import move_straight as move_straight
     from planners.success import GraspChance as GraspChance
@@ -55,6 +57,7 @@ _HOME = {
     "MotionChecker": "motion_check",
     "MotionReport": "motion_check",
     "PartGrasp": "base_placement",
+    "ScanMotion": "scan_motion",
     "SearchRules": "path_search",
     "StageRules": "grasp_stages",
     "StraightMotion": "straight_motion",
@@ -67,6 +70,7 @@ _HOME = {
     "move_straight": "straight_motion",
     "plan_arm": "arm_path",
     "plan_drive": "navigation",
+    "plan_scan": "scan_motion",
     "pose_samples": "success",
     "success_probability": "success",
     "top_down": "task_map",
@@ -88,6 +92,7 @@ __all__ = [
     "MotionChecker",
     "MotionReport",
     "PartGrasp",
+    "ScanMotion",
     "SearchRules",
     "StageRules",
     "StraightMotion",
@@ -100,6 +105,7 @@ __all__ = [
     "move_straight",
     "plan_arm",
     "plan_drive",
+    "plan_scan",
     "pose_samples",
     "success_probability",
     "top_down",

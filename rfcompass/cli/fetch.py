@@ -75,7 +75,7 @@ def fetch(
         bool | None,
         typer.Option(
             "--map/--no-map",
-            help="Furniture is solid, and driven around; else it only echoes. By default it is solid for one part in sight.",
+            help="Furniture is solid, and driven around; else it only echoes. By default: for one part in sight.",
         ),
     ] = None,
     grasp: Annotated[bool, typer.Option(help="Grasp the part; a single tag tells no orientation to grasp by.")] = True,

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from pile_scenes import RED, at, inside, is_red, item, one_of_each, tiny, world_of
 
-from rfcompass.errors import PileError
+from rfcompass.errors import CameraBlocked, PileError
 from rfcompass.interfaces import DepthSource
+from rfcompass.mapping import map_views
 from rfcompass.simulation.piles import (
     D415,
     NO_DEPTH_NOISE,
@@ -23,7 +24,7 @@ from rfcompass.simulation.piles import (
     sights,
 )
 from rfcompass.simulation.piles.camera import beside_edges
-from rfcompass.types import DepthView
+from rfcompass.types import DepthView, Workspace
 
 mujoco = pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 SMALL = CameraModel(width=96, height=54)
@@ -206,3 +207,12 @@ def test_pose_noise_and_poses_that_cannot_be_are_refused():
         PoseNoise(hand_eye_m=-1)
     with pytest.raises(PileError):
         sights(PileWorld(), [], np.eye(4))
+
+
+def test_a_camera_inside_an_item_is_told_so_by_the_map():
+    world = world_of((item(1, size_m=(0.3, 0.3, 0.3)), at(0.0, 0.0, 0.15)))
+    camera = PileCamera(world, np.random.default_rng(0))
+    camera.move_to(look_down(0.0, 0.0, 0.2))
+    table = Workspace.between(np.array([-0.3, -0.3, 0.0]), np.array([0.3, 0.3, 0.3]), 0.02)
+    with pytest.raises(CameraBlocked):
+        map_views(table, [camera.view()])
