@@ -3,8 +3,8 @@
 Each target is located with references from other sweeps of its set, drawn five times. What a way has to learn, it
 learns from the sixteen references of the very question; which ways to try and their constants were settled on D1train,
 D1test, D2 and D3, and D4 was looked at afterwards. Prints, for each set: median (95 % interval over tags) and 90 % of
-the error, range of the median over the draws, share of targets whose 90 % region holds the tape's place; and for pairs
-of tags of different sweeps how their errors in range correlate.
+the error, range of the median over the draws, share of targets whose 90 % region holds the tape's place; for pairs of
+tags of different sweeps how their errors in range correlate; and how levels spread within a sweep.
 
 Run `RFCOMPASS_MEASURED_DATA=... python -m benchmarks.measured_tries`; about five minutes.
 """
@@ -259,6 +259,16 @@ def correlations(family: str) -> str:
     return ", ".join(text for text in out if text)
 
 
+def levels(family: str) -> str:
+    """How far levels spread within a row once corrected for distance, and how they fall with it."""
+    tags = tags_of(family)
+    found_db = np.array([tag_strength(tag.trace).at(np.array([*tag.tape_m, 0.0])) for tag in tags])
+    decades = np.log10(_places(tags)[:, 1])
+    rows = [np.std(found_db[[tag.sweep == name for tag in tags]]) for name in sweeps(family)]
+    rise_db = float(np.polyfit(decades, found_db, 1)[0])  # above the fall of 40 dB that is corrected for
+    return f"levels spread by {np.median(rows):.1f} dB within a sweep and fall by {40.0 - rise_db:.0f} dB for a decade"
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Print all sets, the one that was kept back last."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -268,6 +278,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     for family in (*DEVELOPMENT, *REPORT):
         asked = list(questions(family))
         print(f"{family}: {len(tags_of(family))} tags; errors in range correlate {correlations(family)}")
+        print(f"  {levels(family)}")
         for name in (name for name in WAYS if name in chosen.ways):
             guesses = [(target, WAYS[name](family, target, references)) for target, references in asked]
             print(f"  {name}: {line(guesses)}", flush=True)
