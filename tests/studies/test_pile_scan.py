@@ -5,10 +5,13 @@ import pytest
 
 pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 
+from planners import InverseKinematics
 from rfcompass.recordings import open_trace, write_trace
 from rfcompass.simulation import RIG_WRIST
 from rfcompass.simulation.piles import PileFamily, make_pile, scan_pile, scan_poses, tag_items
 from rfcompass.studies.pile_scan import T_WORLD_BASE, located, pile_trace, workspace, wrist_way
+from rfcompass.types.grasp_task import GraspTask, Solution
+from rfcompass.types.world import World
 
 
 @pytest.fixture(scope="module")
@@ -53,3 +56,14 @@ def test_every_tag_is_located_or_refused_and_lies_on_the_table(scan, tagged_pile
     assert {*found.fixes, *found.refusals} == set(epcs)
     for fix in found.fixes.values():
         assert workspace().contains(fix.point_m[None]).all()
+
+
+@pytest.mark.parametrize("height_m", [0.03, 0.15])
+def test_the_hand_reaches_the_table_where_piles_lie(height_m):
+    robot = wrist_way("one").robot
+    ik = InverseKinematics(robot, World(floor_m=-float(T_WORLD_BASE[2, 3])))
+    down = np.array([0.0, 0.0, -1.0])
+    for x_m in (-0.4, 0.0, 0.4):
+        for y_m in (-0.3, 0.0, 0.3):
+            point_m = (np.linalg.inv(T_WORLD_BASE) @ [x_m, y_m, height_m, 1.0])[:3]
+            assert isinstance(ik.solve(GraspTask(point_m, down), robot.posture("scan")), Solution)
