@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
-from scipy.special import betaincinv
 
 from rfcompass.arrays import FloatArray, IntArray, read_only
 from rfcompass.errors import InputError, ShapeError
@@ -138,6 +137,8 @@ def exact_interval(successes: int, trials: int, level: float = 0.95) -> Interval
     Raises:
         InputError: If there is no trial, or more successes than trials.
     """
+    from scipy.special import betaincinv  # noqa: PLC0415 - workers of a study import this module, and need no scipy
+
     _check_share(successes, trials)
     tail, failures = (1.0 - level) / 2.0, trials - successes
     low = betaincinv(successes, failures + 1, tail) if successes else 0.0
