@@ -153,6 +153,10 @@ class NothingHidden(NoAnswer):
     """Views looked into every voxel that they reached: nothing can be hidden; carries how many `voxels`."""
 
 
+class NothingToGrasp(NoAnswer):
+    """A view of a pile shows no object, or none that the hand could close on; carries how many `masks` there were."""
+
+
 class NotLocated(NoAnswer):
     """A tag is not located well enough for what was asked, or not where it was asked for; carries `epc`."""
 

@@ -22,6 +22,7 @@ from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, Vo
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
 from rfcompass.types.robot_state import RobotState
+from rfcompass.types.search import GraspAttempt, GraspMaps, PileLook
 from rfcompass.types.stops import ProposedStop
 from rfcompass.types.volumes import SearchVolume
 
@@ -191,21 +192,57 @@ class Segmenter(Protocol):
 
 @runtime_checkable
 class GraspQuality(Protocol):
-    """Scores a two-finger grasp at each pixel of a depth image."""
+    """Scores a two-finger grasp at each pixel of a depth image: from image to images."""
 
-    def quality(self, view: DepthView) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return quality in [0, 1], jaw angle [rad] and width [m] for each pixel, each of shape (H, W)."""
+    def quality(self, view: DepthView) -> GraspMaps:
+        """Say how good the best grasp at each pixel is, and how the jaws would stand."""
         ...
 
 
 @runtime_checkable
 class ExtractionPolicy(Protocol):
-    """Chooses which object to take out of the pile next."""
+    """Chooses which object to take out of the pile next. Keeps no memory: what failed before is told."""
 
-    def choose(self, grid: VoxelGrid, view: DepthView, masks: InstanceMasks) -> ExtractionAction:
+    def choose(
+        self,
+        grid: VoxelGrid,
+        view: DepthView,
+        masks: InstanceMasks,
+        grasps: GraspMaps,
+        failed_m: Sequence[FloatArray] = (),
+    ) -> ExtractionAction:
         """Choose one removal.
 
+        Args:
+            grid: How likely the target is in each voxel, in the world frame; need not sum to 1.
+            view: What the camera sees of the pile.
+            masks: Which object each pixel of the view shows.
+            grasps: The best grasp at each pixel of the view.
+            failed_m: Where grasps have failed since the last success, in the world frame [m], shape (3,) each.
+
         Raises:
-            NoAnswer: If nothing can be grasped.
+            NothingToGrasp: If the view shows no object, or none that a hand could close on.
         """
+        ...
+
+
+@runtime_checkable
+class PileRobot(Protocol):
+    """An arm with a camera and antennas on its wrist, and a hand, over a table; real or simulated."""
+
+    @property
+    def elapsed_s(self) -> float:
+        """Time that the arm has moved so far [s]."""
+        ...
+
+    def scan(self) -> PileLook:
+        """Go round the table once with camera and antennas."""
+        ...
+
+    def look(self, point_m: FloatArray) -> DepthView:
+        """Move the camera above a point of the world [m], shape (3,), and take an image from there."""
+        ...
+
+    def grasp(self, action: ExtractionAction) -> GraspAttempt:
+        """Go for an object and put what is held into the drop zone."""
         ...

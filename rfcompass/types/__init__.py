@@ -29,6 +29,7 @@ from rfcompass.types.placed_shape import PlacedShape
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
 from rfcompass.types.robot_state import RobotState
+from rfcompass.types.search import GRASP_OUTCOMES, GraspAttempt, GraspMaps, PileLook
 from rfcompass.types.shapes import Box, Cylinder, Mesh, Sphere
 from rfcompass.types.tagged_items import TaggedItem
 from rfcompass.types.tags import ROLES, TagLayout, TagPositions
@@ -37,6 +38,7 @@ from rfcompass.types.workspace import Workspace
 from rfcompass.types.world import Body, Clearance, World, world_of_scene
 
 __all__ = [
+    "GRASP_OUTCOMES",
     "ROLES",
     "STAGES",
     "Assembly",
@@ -50,8 +52,10 @@ __all__ = [
     "DepthView",
     "ExtractionAction",
     "Failure",
+    "GraspAttempt",
     "GraspCandidate",
     "GraspFailure",
+    "GraspMaps",
     "GraspOutcome",
     "GraspPlan",
     "GraspTask",
@@ -66,6 +70,7 @@ __all__ = [
     "Observation",
     "Part",
     "PartEstimate",
+    "PileLook",
     "PlacedShape",
     "ProximityMatrix",
     "ReachMap",

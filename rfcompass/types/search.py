@@ -1,0 +1,95 @@
+"""Records of the search in a pile: what the arm sees, where its hand can close, and what came of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray, read_only
+from rfcompass.errors import InputError, ShapeError
+from rfcompass.types.fixes import TagFix
+from rfcompass.types.piles import DepthView
+from rfcompass.types.record import Record
+
+HELD, SLIPPED, MISSED, BLOCKED, UNREACHABLE = "held", "slipped", "missed", "blocked", "unreachable"
+GRASP_OUTCOMES = (HELD, SLIPPED, MISSED, BLOCKED, UNREACHABLE)
+
+
+@dataclass(frozen=True, slots=True)
+class GraspMaps(Record):
+    """The best two-finger grasp at each pixel of a depth image, from straight above the table.
+
+    Attributes:
+        quality: Promise of success, 0 where none, in [0, 1], shape (H, W).
+        angle_rad: Direction in which the jaws close, from the world's x about its z, shape (H, W).
+        width_m: What the jaws close on, from contact to contact [m], shape (H, W).
+        depth_m: How far the tips go below the surface that the pixel shows [m], shape (H, W).
+    """
+
+    quality: FloatArray
+    angle_rad: FloatArray
+    width_m: FloatArray
+    depth_m: FloatArray
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays; qualities are shares, widths and depths not negative."""
+        shape = np.shape(self.quality)
+        for name in self.__slots__:
+            fixed = read_only(getattr(self, name), f"GraspMaps.{name}", (None, None))
+            object.__setattr__(self, name, fixed)
+            if fixed.shape != shape:
+                message = f"GraspMaps.{name}: has shape {fixed.shape}, the quality {shape}"
+                raise ShapeError(message, name=name, expected=shape, got=fixed.shape)
+        if (self.quality < 0).any() or (self.quality > 1).any():
+            raise ShapeError("GraspMaps.quality: must be in [0, 1]", name="quality")
+        for name in ("width_m", "depth_m"):
+            if (getattr(self, name) < 0).any():
+                raise ShapeError(f"GraspMaps.{name}: must not be negative", name=name)
+
+
+@dataclass(frozen=True, slots=True)
+class GraspAttempt(Record):
+    """What the hand felt when it went for something.
+
+    Attributes:
+        outcome: `held`: it is in the drop zone. `slipped`: it was lifted and fell. `missed`: the jaws closed on
+            nothing. `blocked`: the hand met something on its way down. `unreachable`: the arm cannot go there.
+        gap_m: Distance of the jaws when they had closed [m].
+        duration_s: Time that the arm moved [s].
+        message: Which joint, which force, which item.
+    """
+
+    outcome: str
+    gap_m: float
+    duration_s: float
+    message: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the outcome."""
+        if self.outcome not in GRASP_OUTCOMES:
+            message = f"GraspAttempt.outcome: {self.outcome!r} is none of {', '.join(GRASP_OUTCOMES)}"
+            raise InputError(message, got=self.outcome, known=list(GRASP_OUTCOMES))
+
+    @property
+    def success(self) -> bool:
+        """Whether something was taken off the pile."""
+        return self.outcome == HELD
+
+
+@dataclass(frozen=True, slots=True)
+class PileLook(Record):
+    """What one round of the arm over the table told.
+
+    Attributes:
+        views: Depth images with colour.
+        fixes: Tags that were located, in the world frame, also those not confident.
+    """
+
+    views: tuple[DepthView, ...]
+    fixes: tuple[TagFix, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Freeze the sequences; there is at least one view."""
+        object.__setattr__(self, "views", tuple(self.views))
+        object.__setattr__(self, "fixes", tuple(self.fixes))
+        if not self.views:
+            raise InputError("a look at a pile without a view", got=0)
