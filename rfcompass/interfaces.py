@@ -239,8 +239,12 @@ class PileRobot(Protocol):
         """Go round the table once with camera and antennas."""
         ...
 
-    def look(self, point_m: FloatArray) -> DepthView:
-        """Move the camera above a point of the world [m], shape (3,), and take an image from there."""
+    def look(self, point_m: FloatArray) -> PileLook:
+        """Move the camera above a point of the world [m], shape (3,); take one image from there, hear tags on the way.
+
+        Raises:
+            OutOfReach: If the arm cannot look there.
+        """
         ...
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:

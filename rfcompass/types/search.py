@@ -55,19 +55,26 @@ class GraspAttempt(Record):
             nothing. `blocked`: the hand met something on its way down. `unreachable`: the arm cannot go there.
         gap_m: Distance of the jaws when they had closed [m].
         duration_s: Time that the arm moved [s].
-        message: Which joint, which force, which item.
+        shows_target: Whether what came into the drop zone has the target's colour.
+        epcs: Tags that answered in the drop zone.
+        message: Which joint, which force.
     """
 
     outcome: str
     gap_m: float
     duration_s: float
+    shows_target: bool = False
+    epcs: tuple[str, ...] = ()
     message: str = ""
 
     def __post_init__(self) -> None:
-        """Check the outcome."""
+        """Check the outcome; nothing comes into the drop zone that was not held."""
         if self.outcome not in GRASP_OUTCOMES:
             message = f"GraspAttempt.outcome: {self.outcome!r} is none of {', '.join(GRASP_OUTCOMES)}"
             raise InputError(message, got=self.outcome, known=list(GRASP_OUTCOMES))
+        object.__setattr__(self, "epcs", tuple(self.epcs))
+        if (self.shows_target or self.epcs) and not self.success:
+            raise InputError(f"GraspAttempt: {self.outcome}, yet something is in the drop zone", got=self.outcome)
 
     @property
     def success(self) -> bool:
@@ -77,7 +84,7 @@ class GraspAttempt(Record):
 
 @dataclass(frozen=True, slots=True)
 class PileLook(Record):
-    """What one round of the arm over the table told.
+    """What one motion of the arm over the table told.
 
     Attributes:
         views: Depth images with colour.

@@ -38,3 +38,8 @@ def test_an_unknown_outcome_is_refused() -> None:
 def test_a_look_without_a_view_is_refused() -> None:
     with pytest.raises(InputError, match="without a view"):
         PileLook(())
+
+
+def test_nothing_comes_into_the_drop_zone_that_was_not_held() -> None:
+    with pytest.raises(InputError, match="drop zone"):
+        GraspAttempt("slipped", 0.0, 1.0, shows_target=True)
