@@ -103,12 +103,12 @@ def _way(poses: FloatArray, spacing_m: float) -> tuple[list[FloatArray], IntArra
     """Poses of the link at all waypoints, and which of them were asked for."""
     way, stops = [poses[0]], [0]
     for start, end in pairwise(poses):
-        way.extend(_leg(start, end, spacing_m))
+        way.extend(leg(start, end, spacing_m))
         stops.append(len(way) - 1)
     return way, np.array(stops, dtype=np.int64)
 
 
-def _leg(start: FloatArray, end: FloatArray, spacing_m: float) -> Iterator[FloatArray]:
+def leg(start: FloatArray, end: FloatArray, spacing_m: float) -> Iterator[FloatArray]:
     """Poses from a start, without it, to an end: straight, and turned evenly."""
     steps = max(1, int(np.ceil(np.linalg.norm(end[:3, 3] - start[:3, 3]) / spacing_m - 1e-9)))
     turn = pin.log3(start[:3, :3].T @ end[:3, :3])

@@ -239,8 +239,12 @@ class PileRobot(Protocol):
         """Go round the table once with camera and antennas."""
         ...
 
-    def look(self, point_m: FloatArray) -> PileLook:
-        """Move the camera above a point of the world [m], shape (3,); take one image from there, hear tags on the way.
+    def look(self, point_m: FloatArray, height_m: float) -> PileLook:
+        """Take an image from above a point, and hear tags on the way there.
+
+        Args:
+            point_m: Where to look, in the world [m], shape (3,).
+            height_m: Height of the camera over the table [m]; as near to that as the arm can.
 
         Raises:
             OutOfReach: If the arm cannot look there.

@@ -29,7 +29,15 @@ from rfcompass.types.placed_shape import PlacedShape
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.reads import ReadTrace, Scan, TagRead
 from rfcompass.types.robot_state import RobotState
-from rfcompass.types.search import GRASP_OUTCOMES, GraspAttempt, GraspMaps, PileLook
+from rfcompass.types.search import (
+    GRASP_OUTCOMES,
+    SEARCH_ENDS,
+    GraspAttempt,
+    GraspMaps,
+    PileLook,
+    SearchResult,
+    SearchStep,
+)
 from rfcompass.types.shapes import Box, Cylinder, Mesh, Sphere
 from rfcompass.types.tagged_items import TaggedItem
 from rfcompass.types.tags import ROLES, TagLayout, TagPositions
@@ -40,6 +48,7 @@ from rfcompass.types.world import Body, Clearance, World, world_of_scene
 __all__ = [
     "GRASP_OUTCOMES",
     "ROLES",
+    "SEARCH_ENDS",
     "STAGES",
     "Assembly",
     "Body",
@@ -79,6 +88,8 @@ __all__ = [
     "RunEvent",
     "RunLog",
     "Scan",
+    "SearchResult",
+    "SearchStep",
     "SearchVolume",
     "Solution",
     "Sphere",

@@ -7,7 +7,7 @@ import numpy as np
 from rfcompass.arrays import FloatArray, read_only
 from rfcompass.errors import InputError, ShapeError
 from rfcompass.types.fixes import TagFix
-from rfcompass.types.piles import DepthView
+from rfcompass.types.piles import DepthView, ExtractionAction, InstanceMasks, VoxelGrid
 from rfcompass.types.record import Record
 
 HELD, SLIPPED, MISSED, BLOCKED, UNREACHABLE = "held", "slipped", "missed", "blocked", "unreachable"
@@ -100,3 +100,77 @@ class PileLook(Record):
         object.__setattr__(self, "fixes", tuple(self.fixes))
         if not self.views:
             raise InputError("a look at a pile without a view", got=0)
+
+
+FOUND, TOO_MANY_ACTIONS, TOO_MANY_FAILURES = "found", "too_many_actions", "too_many_failures"
+NOTHING_HIDDEN, NOTHING_TO_GRASP, OUT_OF_REACH = "nothing_hidden", "nothing_to_grasp", "out_of_reach"
+SEARCH_ENDS = (FOUND, TOO_MANY_ACTIONS, TOO_MANY_FAILURES, NOTHING_HIDDEN, NOTHING_TO_GRASP, OUT_OF_REACH)
+
+
+@dataclass(frozen=True, slots=True)
+class SearchStep(Record):
+    """One action of a search: what was seen, what was believed, what was done, what came of it.
+
+    Attributes:
+        view: The image in which the grasp was chosen.
+        masks: Objects in it.
+        grid: Where the target was thought to be; None where the method has no map.
+        action: What was gone for.
+        on_target: Whether that was the target itself, in sight.
+        attempt: What came of it.
+        hidden_m3: Volume in which the target could still be, before the action [m³].
+        elapsed_s: Time since the search began, after the action [s].
+    """
+
+    view: DepthView
+    masks: InstanceMasks
+    grid: VoxelGrid | None
+    action: ExtractionAction
+    on_target: bool
+    attempt: GraspAttempt
+    hidden_m3: float
+    elapsed_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class SearchResult(Record):
+    """How a search ended.
+
+    Attributes:
+        outcome: One of `SEARCH_ENDS`; `found` means that the target is in the drop zone.
+        message: The same in words, with the numbers.
+        steps: Every action, in order.
+        elapsed_s: Time that the arm moved, scans included [s].
+        hidden_m3: Volume in which the target could still be at the end [m³]: the map's own verdict on an item that was
+            not found.
+        tags_located: Tags that were located confidently before the first action.
+    """
+
+    outcome: str
+    message: str
+    steps: tuple[SearchStep, ...]
+    elapsed_s: float
+    hidden_m3: float
+    tags_located: int
+
+    def __post_init__(self) -> None:
+        """Freeze; check the outcome."""
+        object.__setattr__(self, "steps", tuple(self.steps))
+        if self.outcome not in SEARCH_ENDS:
+            message = f"SearchResult.outcome: {self.outcome!r} is none of {', '.join(SEARCH_ENDS)}"
+            raise InputError(message, got=self.outcome, known=list(SEARCH_ENDS))
+
+    @property
+    def found(self) -> bool:
+        """Whether the target is in the drop zone."""
+        return self.outcome == FOUND
+
+    @property
+    def actions(self) -> int:
+        """Grasps, failed ones and that of the target included, as [Boroushaki2023] counts."""
+        return len(self.steps)
+
+    @property
+    def failed_grasps(self) -> int:
+        """Grasps that took nothing."""
+        return sum(not step.attempt.success for step in self.steps)
