@@ -98,7 +98,7 @@ class SearchMethod(Record):
             NothingHidden: If no voxel is unobserved.
         """
         own = None if self.target_epc is None else canonical_epc(self.target_epc)
-        if own in fixes and (grid := self._of_own_tag(seen, target, fixes[own])) is not None:
+        if own is not None and own in fixes and (grid := self._of_own_tag(seen, target, fixes[own])) is not None:
             return grid
         known = {canonical_epc(size.epc): size for size in sizes if size.epc is not None}
         others = [fix for epc, fix in fixes.items() if self.use_tags and epc != own and epc in known]

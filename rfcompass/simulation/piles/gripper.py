@@ -14,7 +14,8 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import PileError, PileUnsettled
-from rfcompass.simulation.piles.engine import PANELS, HandXml, compile_pile, load_mujoco, quiet_mujoco
+from rfcompass.simulation.piles.engine import HandXml, compile_pile, load_mujoco, quiet_mujoco
+from rfcompass.simulation.piles.items import PANELS
 from rfcompass.simulation.piles.world import PileWorld
 from rfcompass.types.record import Record
 from rfcompass.types.search import BLOCKED, HELD, MISSED, SLIPPED
