@@ -21,6 +21,7 @@ from rfcompass.mapping.rf_map import RfKernels, RfMap, known_items, rf_certainty
 from rfcompass.mapping.target_kernels import TargetKernel, box_target, gaussian_target
 from rfcompass.mapping.visible_target import RED, ColourRule, VisibleTarget, find_visible_target
 from rfcompass.mapping.visual_map import LogOdds, VisualMap, map_views
+from rfcompass.mapping.xray import xray_map, xray_occupancy
 
 __all__ = [
     "READINGS",
@@ -55,4 +56,6 @@ __all__ = [
     "rigid_kernel",
     "tagged_items",
     "tagged_target_map",
+    "xray_map",
+    "xray_occupancy",
 ]

@@ -17,13 +17,18 @@ class Record:
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         """Pickle as a call of the constructor."""
-        values = (getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
-        return type(self), tuple(_plain(value) for value in values)
+        values = {field.name: _plain(getattr(self, field.name)) for field in fields(self)}  # type: ignore[arg-type]
+        return _made_of, (type(self), values)
 
 
 def frozen_mapping(mapping: Mapping[Any, Any]) -> Mapping[Any, Any]:
     """Return a read-only copy of a mapping, for a record's field."""
     return MappingProxyType(dict(mapping))
+
+
+def _made_of(kind: type[Any], values: dict[str, Any]) -> Any:  # noqa: ANN401 - a record of that kind
+    """By names: some records take no positional arguments."""
+    return kind(**values)
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401 - a field holds anything

@@ -1,6 +1,7 @@
 """The posterior map: what its formula says by a slow loop, and what views and tags may do to it."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -179,3 +180,8 @@ def test_what_cannot_be_is_refused():
 def test_rules_out_of_range_are_refused(wrong):
     with pytest.raises(InputError, match=next(iter(wrong))):
         PosteriorRules(**wrong)
+
+
+def test_the_rules_survive_a_pickle_although_they_are_given_by_name():
+    rules = PosteriorRules(yaws=6)
+    assert pickle.loads(pickle.dumps(rules)) == rules

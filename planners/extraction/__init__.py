@@ -1,0 +1,35 @@
+"""What to take out of a pile next: FuseBot's rule, X-Ray's, simpler ones, ours.
+
+    grid, view, masks, grasps ──policy.choose──▶ ExtractionAction
+
+A policy is a frozen record of parameters without memory. `best_cluster` says where to look before.
+"""
+
+from planners.extraction.blind_policies import LargestMaskPolicy, RandomPolicy
+from planners.extraction.candidates import Candidates, find_candidates
+from planners.extraction.clusters import Cluster, best_cluster, clusters_of, heaviest_cluster
+from planners.extraction.fusebot_policy import FuseBotPolicy
+from planners.extraction.mask_policy import MaskPolicy
+from planners.extraction.naive_policy import NaivePolicy
+from planners.extraction.projection import MaskColumns, project_masks
+from planners.extraction.scores import mask_scores
+from planners.extraction.xray_policy import MapMassPolicy, XRayPolicy
+
+__all__ = [
+    "Candidates",
+    "Cluster",
+    "FuseBotPolicy",
+    "LargestMaskPolicy",
+    "MapMassPolicy",
+    "MaskColumns",
+    "MaskPolicy",
+    "NaivePolicy",
+    "RandomPolicy",
+    "XRayPolicy",
+    "best_cluster",
+    "clusters_of",
+    "find_candidates",
+    "heaviest_cluster",
+    "mask_scores",
+    "project_masks",
+]
