@@ -27,7 +27,8 @@ from rfcompass.types import (
 H, W, F = 60, 80, 70.0
 TABLE = Workspace.between(np.array([-0.2, -0.15, 0.0]), np.array([0.2, 0.15, 0.2]), 0.02)
 TARGET = ItemSize("target", np.array([0.06, 0.04, 0.03]))
-TAGGED = ItemSize("box_001", np.array([0.08, 0.05, 0.04]), False, "01")
+EPC, STRAY = "01" * 12, "ff" * 12
+TAGGED = ItemSize("box_001", np.array([0.08, 0.05, 0.04]), False, EPC)
 HELD, MISSED = GraspAttempt("held", 0.04, 2.0), GraspAttempt("missed", 0.0, 2.0)
 FOUND = GraspAttempt("held", 0.04, 2.0, shows_target=True)
 
@@ -131,7 +132,7 @@ def search(robot: ScriptedRobot, policy: Noted | None = None, **more: object) ->
 
 
 def fix(x_m: float, *, confident: bool = True) -> TagFix:
-    return TagFix("01", np.array([x_m, 0.0, 0.05]), np.full(3, 0.05), confident)
+    return TagFix(EPC, np.array([x_m, 0.0, 0.05]), np.full(3, 0.05), confident)
 
 
 def test_a_target_that_comes_into_sight_is_grasped_and_ends_the_search() -> None:
@@ -214,7 +215,7 @@ class NotedBelief:
 
 def test_a_tag_that_is_carried_away_is_forgotten() -> None:
     belief = NotedBelief()
-    gone = GraspAttempt("held", 0.04, 2.0, epcs=("01",))
+    gone = GraspAttempt("held", 0.04, 2.0, epcs=(EPC,))
     search(ScriptedRobot([gone, FOUND], fixes=(fix(0.1),)), belief=belief).run()
     assert [len(fixes) for fixes in belief.seen] == [1, 0]
 
@@ -243,7 +244,7 @@ def test_an_overhead_method_looks_from_where_it_sees_all() -> None:
 
 @pytest.mark.parametrize("belief", [PaperBelief(), PosteriorBelief(), None])
 def test_a_tag_that_no_database_knows_changes_nothing(belief: object) -> None:
-    stray = TagFix("FF", np.array([0.0, 0.0, 0.05]), np.full(3, 0.05), True)
+    stray = TagFix(STRAY, np.array([0.0, 0.0, 0.05]), np.full(3, 0.05), True)
     robot = ScriptedRobot([FOUND], fixes=(stray, fix(0.1)))
     assert search(robot, belief=belief).run().found
 
