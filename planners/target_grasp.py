@@ -12,9 +12,9 @@ from rfcompass.mapping import back_project
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
 
-# Ours. Below the first, a target is not worth a try while a neighbour can be taken; pixels so near to a failed grasp
-# are not tried again [m]; how far off a neighbour may be [pixel].
-_WORTH, _AGAIN_M, _BESIDE_PX = 0.15, 0.015, 6
+# Ours. Below the first, a target is not worth a try while a neighbour can be taken; pixels so near to a failed grasp,
+# seen from above, are not tried again [m]; how far off a neighbour may be [pixel].
+_WORTH, _AGAIN_M, _BESIDE_PX = 0.15, 0.02, 6
 
 
 def grasp_target(
@@ -73,7 +73,8 @@ def _tried(view: DepthView, failed_m: Sequence[FloatArray]) -> BoolArray:
     if failed_m:
         points_m = points_image(view)
         for point_m in failed_m:
-            tried |= np.nan_to_num(np.linalg.norm(points_m - point_m, axis=2), nan=np.inf) < _AGAIN_M
+            off_m = np.linalg.norm(points_m[..., :2] - point_m[:2], axis=-1)
+            tried |= np.nan_to_num(off_m, nan=np.inf) < _AGAIN_M
     return tried
 
 
