@@ -30,7 +30,7 @@ class Question:
 def question(blocks=THREE, mass=None, quality=(0.8, 0.7, 0.6), shape=(120, 160), height_m=0.7, noise=0):
     """Ask about blocks seen from above; mass and quality of each: at its middle column, at all its pixels."""
     view, labels = see(blocks, looking_down(height_m=height_m), shape=shape)
-    values = np.random.default_rng(noise).uniform(0, 1e-3, (60, 40, 12))
+    values = np.random.default_rng(noise).uniform(0, 1e-5, (60, 40, 12))
     for block, weight in zip(blocks, mass or [1.0] * len(blocks), strict=True):
         i, j = np.floor((np.array(block.centre_m[:2]) - [-0.3, -0.2]) / 0.01 + 1e-9).astype(int)
         values[i, j, 0] += weight

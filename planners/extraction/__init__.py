@@ -8,7 +8,9 @@ A policy is a frozen record of parameters without memory. `best_cluster` says wh
 from planners.extraction.blind_policies import LargestMaskPolicy, RandomPolicy
 from planners.extraction.candidates import Candidates, find_candidates
 from planners.extraction.clusters import Cluster, best_cluster, clusters_of, heaviest_cluster
+from planners.extraction.fewest_actions import ActionCosts, FewestActionsPolicy
 from planners.extraction.fusebot_policy import FuseBotPolicy
+from planners.extraction.layers import LayerRules
 from planners.extraction.mask_policy import MaskPolicy
 from planners.extraction.naive_policy import NaivePolicy
 from planners.extraction.projection import MaskColumns, project_masks
@@ -16,10 +18,13 @@ from planners.extraction.scores import mask_scores
 from planners.extraction.xray_policy import MapMassPolicy, XRayPolicy
 
 __all__ = [
+    "ActionCosts",
     "Candidates",
     "Cluster",
+    "FewestActionsPolicy",
     "FuseBotPolicy",
     "LargestMaskPolicy",
+    "LayerRules",
     "MapMassPolicy",
     "MaskColumns",
     "MaskPolicy",

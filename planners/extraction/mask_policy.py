@@ -89,9 +89,12 @@ class MaskPolicy(Record, ABC):
 
     def judged(self, scene: Scene) -> FloatArray:
         """Value of each candidate after memory and gate; -inf for those that the gate bars, shape (K,)."""
-        tried, quality = scene.candidates.tried, scene.candidates.quality
-        values = self.values(scene)
-        values = np.where(values > 0, values * tried, values / tried)
+        tried, values = scene.candidates.tried, self.values(scene)
+        return self.gated(scene, np.where(values > 0, values * tried, values / tried))
+
+    def gated(self, scene: Scene, values: FloatArray) -> FloatArray:
+        """Values after the gate, shape (K,)."""
+        quality = scene.candidates.quality
         if not self.gate:
             return values
         if self.literal_gate:

@@ -8,6 +8,7 @@ import pytest
 from extraction_scenes import grasps_of, question
 
 from planners.extraction import (
+    FewestActionsPolicy,
     FuseBotPolicy,
     LargestMaskPolicy,
     MapMassPolicy,
@@ -32,6 +33,8 @@ POLICIES = [
     XRayPolicy(target_m=TARGET_M),
     XRayPolicy(target_m=TARGET_M, gate=True),
     MapMassPolicy(),
+    FewestActionsPolicy(target_m=TARGET_M),
+    FewestActionsPolicy(target_m=TARGET_M, gate=True, removals=1),
 ]
 
 
@@ -40,6 +43,7 @@ def named(policy):
     return f"{type(policy).__name__}({', '.join(changed)})"
 
 
+OURS = FewestActionsPolicy(target_m=TARGET_M, gate=True)
 every_policy = pytest.mark.parametrize("policy", POLICIES, ids=named)
 
 
@@ -156,7 +160,9 @@ def test_images_of_different_sizes_are_refused(policy):
         policy.choose(asked.grid, asked.view, asked.masks, GraspMaps(*np.zeros((4, 3, 3))))
 
 
-@pytest.mark.parametrize("policy", [FuseBotPolicy(), RandomPolicy(), LargestMaskPolicy(), MapMassPolicy(gate=True)])
+@pytest.mark.parametrize(
+    "policy", [FuseBotPolicy(), RandomPolicy(), LargestMaskPolicy(), MapMassPolicy(gate=True), OURS]
+)
 def test_the_gate_bars_what_can_hardly_be_grasped_as_long_as_something_can(policy):
     asked = question(mass=(5.0, 1.0, 1.0), quality=(0.4, 0.4, 0.6))
     assert policy.choose(*asked.parts()).mask_label == 3
