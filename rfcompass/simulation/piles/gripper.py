@@ -34,6 +34,8 @@ _SLIDE_N_M, _SLIDE_N_S_M, _FINGER_N_M, _FINGER_N_S_M = 20_000.0, 400.0, 8_000.0,
 _PAD_S, _FINER = 0.004, (2, 4, 8)
 # The descent begins so far above the highest thing so near to the hand's axis.
 _ABOVE_M, _AROUND_M = 0.02, 0.09
+# What is further from the hand's axis than this, and does not hang together with anything nearer, stays at rest.
+_NEAR_M = 0.15
 _RETREAT_M = 0.02  # of a hand that was blocked
 _SETTLE_S = 2.0  # what still creeps then is stopped, as every pile is before it is looked at
 
@@ -111,12 +113,16 @@ def grasp_item(
     if not 0 < aperture_m <= hand.opening_m + 1e-9:
         message = f"jaws {aperture_m} m apart: they open to {hand.opening_m} m"
         raise PileError(message, key="aperture_m", got=aperture_m)
+    near = _about(world, T[:2, 3])
     for finer in _FINER:
-        run = _Run(world, T, aperture_m, hand, finer)
+        run = _Run(near, T, aperture_m, hand, finer)
         done = run.grasp()
         if done is not None:
-            world.become(run.states, without=done.taken)
-            world.settle(_SETTLE_S)
+            near.become(run.states, without=done.taken)
+            near.settle(_SETTLE_S)
+            world.become({**world.states, **near.states}, without=done.taken)
+            if _meet(world, near):
+                world.settle(_SETTLE_S)
             return done
     raise PileUnsettled("the simulation of a grasp blew up", simulated_s=run.passed_s, creep_m=float("inf"))
 
@@ -269,14 +275,39 @@ class _Run:
         return {int(self._world.geom_numbers[geom]) for geom in geoms}
 
 
+def _about(world: PileWorld, place_m: FloatArray) -> PileWorld:
+    """The part of a pile that a grasp can move: what is near the hand, and all that hangs together with it.
+
+    The other piles rest meanwhile, so that they need not be computed.
+    """
+    todo = [item.number for item in world.items if _distance_m(world, item.number, place_m) < _NEAR_M]
+    found = set(todo)
+    while todo:
+        more = world.touching(todo.pop()) - found
+        found |= more
+        todo += more
+    items = [item for item in world.items if item.number in found]
+    return PileWorld(items, {number: state for number, state in world.states.items() if number in found}, world.physics)
+
+
+def _meet(world: PileWorld, near: PileWorld) -> bool:
+    """Whether something that was moved touches what was left out of the simulation."""
+    moved = {item.number for item in near.items}
+    return any(world.touching(number) - moved for number in moved)
+
+
+def _distance_m(world: PileWorld, number: int, place_m: FloatArray) -> float:
+    """Level distance from a place to the box about an item [m]."""
+    corners_m = world.corners_m(number)[:, :2]
+    return float(np.linalg.norm(np.clip(place_m, corners_m.min(axis=0), corners_m.max(axis=0)) - place_m))
+
+
 def _top_about(world: PileWorld, place_m: FloatArray) -> float:
     """Height of the highest thing that the hand could meet on its way down [m]."""
     top_m = 0.0
     for item in world.items:
-        corners_m = world.corners_m(item.number)
-        low, high = corners_m[:, :2].min(axis=0), corners_m[:, :2].max(axis=0)
-        if np.linalg.norm(np.clip(place_m, low, high) - place_m) < _AROUND_M:
-            top_m = max(top_m, float(corners_m[:, 2].max()))
+        if _distance_m(world, item.number, place_m) < _AROUND_M:
+            top_m = max(top_m, float(world.corners_m(item.number)[:, 2].max()))
     return top_m
 
 
