@@ -1,6 +1,7 @@
 """A simulated arm over a simulated pile: sees, hears, grasps, and counts the time. Behind it is the truth."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from rfcompass.simulation.piles import PileCamera, PileScene, PileWorld, TaggedI
 from rfcompass.simulation.piles.scanning import FRAME
 from rfcompass.studies.pile_scan import ANTENNA, CAMERA, PILE_SAR, ROBOT, SEARCH, T_WORLD_BASE, WristWay, wrist_way
 from rfcompass.types import DepthView, ExtractionAction, GraspAttempt, InstanceMasks, PileLook, TagFix
-from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import Failure
 from rfcompass.types.motions import REACH
 from rfcompass.types.search import HELD, UNREACHABLE
@@ -51,6 +51,11 @@ class SimulatedPileRobot:
         way: Where a scan goes.
         arm: Plans and times the motions.
         listens: Whether tags are heard on the ways between looks, too.
+        absent: Whether the target is taken away before: it is sought in vain.
+        world: The pile now; truth.
+        taken: Numbers of the items in the drop zone, in order; truth.
+        motions: What the arm did, and when each motion began [s].
+        tables: States of all items after each change, and when it was [s]; truth.
     """
 
     scene: PileScene
@@ -59,9 +64,11 @@ class SimulatedPileRobot:
     way: WristWay = field(default_factory=lambda: wrist_way("two"))
     arm: PileArm = field(default_factory=pile_arm)
     listens: bool = True
+    absent: bool = False
     world: PileWorld = field(init=False)
     taken: list[int] = field(init=False, default_factory=list)
-    motions: list[ArmMotion] = field(init=False, default_factory=list)
+    motions: list[tuple[float, ArmMotion]] = field(init=False, default_factory=list)
+    tables: list[tuple[float, Mapping[int, FloatArray]]] = field(init=False, default_factory=list)
     _shown: list[tuple[DepthView, InstanceMasks]] = field(init=False, repr=False, default_factory=list)
     _elapsed_s: float = field(init=False, repr=False, default=0.0)
     _grasps: int = field(init=False, repr=False, default=0)
@@ -70,6 +77,10 @@ class SimulatedPileRobot:
     def __post_init__(self) -> None:
         """Stand at rest over the table."""
         self.world = self.scene.world()
+        if self.absent:
+            self.world.remove(self.scene.target)
+            self.world.settle()
+        self.tables.append((0.0, self.world.states))
         self._joints = self.arm.resting
         self._camera = PileCamera(self.world, np.random.default_rng([self.seed, 0]))
 
@@ -83,8 +94,9 @@ class SimulatedPileRobot:
         rng = self._rng(1)
         views = [self._view(T) for T in self.way.camera_poses]
         motion = in_time(self.way.robot, REACH, self.way.motion.path)
-        self._elapsed_s += max(motion.duration_s, READ_S * len(self.way.track))
-        self._joints = Configuration(self.way.motion.path[-1])
+        took_s = max(motion.duration_s, READ_S * len(self.way.track))
+        slower = replace(motion, times_s=motion.times_s * took_s / motion.duration_s)
+        self._moved(ArmMotion((slower,), 0.0, self.way.camera_poses[-1]))
         return PileLook(tuple(views), self._located(self.way.track, rng))
 
     def look(self, point_m: FloatArray, height_m: float) -> PileLook:
@@ -107,6 +119,7 @@ class SimulatedPileRobot:
             return GraspAttempt(UNREACHABLE, action.aperture_m, 0.0, message=motion.message)
         done = grasp_item(self.world, action.T_world_hand, action.aperture_m)
         self._moved(motion)
+        self.tables.append((self._elapsed_s, self.world.states))
         self.taken.extend(done.taken)
         held = done.outcome == HELD
         there = {tag.number: tag.epc for tag in self.tags.tags}
@@ -132,7 +145,7 @@ class SimulatedPileRobot:
         return view
 
     def _moved(self, motion: ArmMotion) -> None:
-        self.motions.append(motion)
+        self.motions.append((self._elapsed_s, motion))
         self._elapsed_s += motion.duration_s
         self._joints = motion.end
 

@@ -90,7 +90,7 @@ def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
 def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
     return SearchMethod(
         name="ours",
-        policy=FewestActionsPolicy(),
+        policy=FewestActionsPolicy(target_m=target.size_m),
         belief=_with_own_tag(PosteriorBelief(), target),
         update_edge_m=WHOLE_VIEW_M,
         remembers=True,

@@ -7,7 +7,6 @@ import numpy as np
 from planners.grasp_quality import AntipodalQuality
 from planners.pile_search import PileSearch, SearchRules
 from planners.search_method import SearchMethod
-from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError
 from rfcompass.interfaces import GraspQuality, Segmenter
 from rfcompass.mapping import DepthSegmenter
@@ -42,6 +41,7 @@ class SearchTask:
         segmenter: Tells objects apart; None for masks that the simulator tells.
         rules: When to end.
         spacing_m: Edge of a voxel [m].
+        absent: Whether the target is taken away before, so that it is sought in vain.
     """
 
     scene: PileScene
@@ -51,6 +51,7 @@ class SearchTask:
     segmenter: Segmenter | None = field(default_factory=DepthSegmenter)
     rules: SearchRules = field(default_factory=SearchRules)
     spacing_m: float = SPACING_M
+    absent: bool = False
 
 
 @dataclass(eq=False)
@@ -72,7 +73,7 @@ class SearchRun:
     def __post_init__(self) -> None:
         """Stand ready."""
         task = self.task
-        self.robot = SimulatedPileRobot(scene=task.scene, tags=task.tags, seed=task.seed)
+        self.robot = SimulatedPileRobot(scene=task.scene, tags=task.tags, seed=task.seed, absent=task.absent)
         self.search = PileSearch(
             robot=self.robot,
             method=self.method,
@@ -89,7 +90,7 @@ class SearchRun:
         return self.search.run()
 
 
-def tagged(scene: PileScene, placement: str, count: int, seed: int) -> TaggedItems:
+def tagged_items_of(scene: PileScene, placement: str, count: int, seed: int) -> TaggedItems:
     """Deal tags, as many as there are items for: up to `count`. The same seed deals the same to every method.
 
     Raises:
@@ -102,8 +103,3 @@ def tagged(scene: PileScene, placement: str, count: int, seed: int) -> TaggedIte
     if count == 0 and placement == "any":
         placement = "none"
     return tag_items(scene, placement, min(count, most), rng)
-
-
-def target_m(run: SearchRun) -> FloatArray:
-    """Where the middle of the target is now [m], shape (3,): truth."""
-    return np.asarray(run.robot.world.pose(run.task.scene.target)[:3, 3])
