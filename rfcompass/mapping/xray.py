@@ -19,7 +19,7 @@ from rfcompass.arrays import BoolArray, FloatArray, read_only
 from rfcompass.errors import InputError
 from rfcompass.mapping.camera import check_view
 from rfcompass.mapping.visual_map import VisualMap
-from rfcompass.mapping.xray_kernels import add_silhouettes
+from rfcompass.mapping.xray_kernels import add_silhouettes, inverse_ways
 from rfcompass.types.piles import DepthView, VoxelGrid
 from rfcompass.types.shapes import positive
 from rfcompass.types.workspace import Workspace
@@ -52,12 +52,14 @@ def xray_occupancy(
     check_view(view, Workspace(np.array([0.0, 0.0, table_m]), (1, 1, 1), 1.0), 0.0)
     height_m = float(view.T_world_camera[2, 3]) - table_m
     stride = max(1, round(step_m * float(view.intrinsics[0, 0]) / height_m))
-    total = np.zeros(view.depth_m.shape)
-    for size_m in _lying(edges_m):
-        middle_m = np.array([0.0, 0.0, table_m + size_m[2] / 2])
-        camera = (view.intrinsics, view.T_world_camera[:3, :3], view.T_world_camera[:3, 3] - middle_m)
-        for yaw in np.pi * np.arange(yaws) / yaws:
-            add_silhouettes(total, view.depth_m, camera, size_m / 2, (np.cos(yaw), np.sin(yaw)), stride, SLACK_M)
+    total, depth_m = np.zeros(view.depth_m.shape), view.depth_m - SLACK_M
+    K, R, eye_m = view.intrinsics, view.T_world_camera[:3, :3], view.T_world_camera[:3, 3]
+    for yaw in np.pi * np.arange(yaws) / yaws:
+        turn = (float(np.cos(yaw)), float(np.sin(yaw)))
+        inverse = inverse_ways(depth_m.shape, (K, R, eye_m), turn)
+        for size_m in _lying(edges_m):
+            from_middle_m = eye_m - [0.0, 0.0, table_m + size_m[2] / 2]
+            add_silhouettes(total, depth_m, inverse, (K, R, from_middle_m), size_m / 2, turn, stride)
     return total / max(float(total.sum()), 1.0)
 
 

@@ -15,55 +15,86 @@ Camera: TypeAlias = tuple[FloatArray, FloatArray, FloatArray]
 Turn: TypeAlias = tuple[float, float]
 Rectangle: TypeAlias = tuple[int, int, int, int]
 
+_LEAST = 1e-12  # of a direction
+
+
+@numba.njit(cache=True)
+def inverse_ways(shape: tuple[int, int], camera: Camera, turn: Turn) -> FloatArray:
+    """One over each part of every pixel's ray, in the axes of a turned box, with 1 along the optical axis.
+
+    Args:
+        shape: Of the image, (H, W).
+        camera: Its place does not count.
+        turn: Of the box.
+
+    Returns:
+        Shape (H, W, 3).
+    """
+    inverse = np.empty((shape[0], shape[1], 3))
+    for v in range(shape[0]):
+        for u in range(shape[1]):
+            ray = _ray(u, v, camera)
+            parts = (turn[0] * ray[0] + turn[1] * ray[1], turn[0] * ray[1] - turn[1] * ray[0], ray[2])
+            for axis in range(3):
+                inverse[v, u, axis] = 1.0 / (parts[axis] if abs(parts[axis]) > _LEAST else _LEAST)
+    return inverse
+
 
 @numba.njit(cache=True)
 def add_silhouettes(
-    total: FloatArray, depth_m: FloatArray, camera: Camera, half_m: FloatArray, turn: Turn, stride: int, slack_m: float
+    total: FloatArray,
+    depth_m: FloatArray,
+    inverse: FloatArray,
+    camera: Camera,
+    half_m: FloatArray,
+    turn: Turn,
+    stride: int,
 ) -> None:
     """Add the silhouettes of a box wherever it would be hidden, over a grid of pixels in which its middle appears.
 
     Args:
         total: Changed in place, shape (H, W).
-        depth_m: What the camera sees, shape (H, W).
+        depth_m: What lies behind is hidden, shape (H, W).
+        inverse: From `inverse_ways`, shape (H, W, 3).
         camera: Its place is given from the middle of the box where the box stands right below the world's origin.
         half_m: Half the edges of the box, shape (3,).
         turn: Its yaw.
         stride: Of the grid [pixel].
-        slack_m: A pixel of the box may be so far before what the camera sees [m].
     """
     for v in range(0, depth_m.shape[0], stride):
         for u in range(0, depth_m.shape[1], stride):
             ray = _ray(u, v, camera)
             if ray[2] >= 0.0:
                 continue
-            from_box = (camera[0], camera[1], camera[2][2] / ray[2] * ray)
-            at_m = _enters(u, v, from_box, half_m, turn)
-            if depth_m[v, u] > at_m + slack_m:  # seen at its middle: the common case
+            eye = camera[2][2] / ray[2] * np.array(ray)
+            start = np.array([turn[0] * eye[0] + turn[1] * eye[1], turn[0] * eye[1] - turn[1] * eye[0], eye[2]])
+            if depth_m[v, u] > _enters(inverse[v, u], start, half_m):  # seen at its middle: the common case
                 continue
-            rectangle = _rectangle(from_box, half_m, turn)
-            if _inside(rectangle, depth_m) and _hidden(depth_m, from_box, half_m, turn, rectangle, slack_m):
-                _add(total, from_box, half_m, turn, rectangle)
+            rectangle = _rectangle((camera[0], camera[1], eye), half_m, turn)
+            if _inside(rectangle, depth_m) and _hidden(depth_m, inverse, start, half_m, rectangle):
+                _add(total, inverse, start, half_m, rectangle)
 
 
 @numba.njit(cache=True)
-def _ray(u: float, v: float, camera: Camera) -> FloatArray:
+def _ray(u: float, v: float, camera: Camera) -> tuple[float, float, float]:
     """Direction of a pixel in the world, 1 along the optical axis."""
     K, R, _ = camera
     y = (v - K[1, 2]) / K[1, 1]
     x = (u - K[0, 2] - K[0, 1] * y) / K[0, 0]
-    return R[:, 0] * x + R[:, 1] * y + R[:, 2]
+    return (
+        R[0, 0] * x + R[0, 1] * y + R[0, 2],
+        R[1, 0] * x + R[1, 1] * y + R[1, 2],
+        R[2, 0] * x + R[2, 1] * y + R[2, 2],
+    )
 
 
 @numba.njit(cache=True)
-def _enters(u: float, v: float, camera: Camera, half_m: FloatArray, turn: Turn) -> float:
-    """Depth at which the ray of a pixel enters the box; -1 where it misses it."""
-    ray, eye, (c, s) = _ray(u, v, camera), camera[2], turn
-    way = (c * ray[0] + s * ray[1], c * ray[1] - s * ray[0], ray[2])
-    start = (c * eye[0] + s * eye[1], c * eye[1] - s * eye[0], eye[2])
+def _enters(inverse: FloatArray, start: FloatArray, half_m: FloatArray) -> float:
+    """Depth at which a ray enters the box; -1 where it misses it; all in the axes of the box."""
     enter, leave = -np.inf, np.inf
     for axis in range(3):
-        step = way[axis] if abs(way[axis]) > 1e-12 else 1e-12
-        one, other = (-half_m[axis] - start[axis]) / step, (half_m[axis] - start[axis]) / step
+        one = (-half_m[axis] - start[axis]) * inverse[axis]
+        other = (half_m[axis] - start[axis]) * inverse[axis]
         enter, leave = max(enter, min(one, other)), min(leave, max(one, other))
     return enter if 0.0 < enter <= leave else -1.0
 
@@ -95,21 +126,21 @@ def _inside(rectangle: Rectangle, image: FloatArray) -> bool:
 
 @numba.njit(cache=True)
 def _hidden(
-    depth_m: FloatArray, camera: Camera, half_m: FloatArray, turn: Turn, rectangle: Rectangle, slack_m: float
+    depth_m: FloatArray, inverse: FloatArray, start: FloatArray, half_m: FloatArray, rectangle: Rectangle
 ) -> bool:
     """Whether no pixel of the box lies before what the camera sees."""
     for v in range(rectangle[2], rectangle[3] + 1):
         for u in range(rectangle[0], rectangle[1] + 1):
-            at_m = _enters(u, v, camera, half_m, turn)
-            if at_m > 0.0 and depth_m[v, u] > at_m + slack_m:
+            at_m = _enters(inverse[v, u], start, half_m)
+            if at_m > 0.0 and depth_m[v, u] > at_m:
                 return False
     return True
 
 
 @numba.njit(cache=True)
-def _add(total: FloatArray, camera: Camera, half_m: FloatArray, turn: Turn, rectangle: Rectangle) -> None:
+def _add(total: FloatArray, inverse: FloatArray, start: FloatArray, half_m: FloatArray, rectangle: Rectangle) -> None:
     """Add the silhouette of the box."""
     for v in range(rectangle[2], rectangle[3] + 1):
         for u in range(rectangle[0], rectangle[1] + 1):
-            if _enters(u, v, camera, half_m, turn) > 0.0:
+            if _enters(inverse[v, u], start, half_m) > 0.0:
                 total[v, u] += 1.0
