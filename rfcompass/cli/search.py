@@ -65,7 +65,7 @@ def search_command(
         tags = tagged_items_of(scene, "target" if tag_target else "any", tagged, seed)
         method = search_method(policy, tags.target_size, seed)
         task = SearchTask(scene, tags, seed, absent=absent)
-        run = SearchRun(replace(task, segmenter=None) if true_masks else task, method)
+        run = SearchRun.of(replace(task, segmenter=None) if true_masks else task, method)
         result = run.run()
         write_search(as_folder(run, result, asked), folder, overwrite=overwrite)
         film = folder / FILM_FILE

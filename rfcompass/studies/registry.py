@@ -20,6 +20,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.fusebot:FUSEBOT_LOCALISATION",
     "rfcompass.studies.pile_tags:PILE_TAGS",
     "rfcompass.studies.map_quality:MAP_QUALITY",
+    "rfcompass.studies.searches:SEARCHES",
     "rfcompass.studies.grasp_trials:GRASP_TRIALS",
 )
 

@@ -53,6 +53,10 @@ class SearchTask:
     spacing_m: float = SPACING_M
     absent: bool = False
 
+    def robot(self) -> SimulatedPileRobot:
+        """Put a robot over the pile."""
+        return SimulatedPileRobot(scene=self.scene, tags=self.tags, seed=self.seed, absent=self.absent)
+
 
 @dataclass(eq=False)
 class SearchRun:
@@ -67,13 +71,12 @@ class SearchRun:
 
     task: SearchTask
     method: SearchMethod
-    robot: SimulatedPileRobot = field(init=False)
+    robot: SimulatedPileRobot
     search: PileSearch = field(init=False)
 
     def __post_init__(self) -> None:
         """Stand ready."""
         task = self.task
-        self.robot = SimulatedPileRobot(scene=task.scene, tags=task.tags, seed=task.seed, absent=task.absent)
         self.search = PileSearch(
             robot=self.robot,
             method=self.method,
@@ -84,6 +87,11 @@ class SearchRun:
             quality=task.quality,
             rules=task.rules,
         )
+
+    @staticmethod
+    def of(task: SearchTask, method: SearchMethod) -> "SearchRun":
+        """Put a robot of its own over the pile."""
+        return SearchRun(task, method, task.robot())
 
     def run(self) -> SearchResult:
         """Search to the end."""
