@@ -25,6 +25,7 @@ from planners.extraction.projection import MaskColumns, project_masks
 from planners.extraction.uncovering import mass_by_depth
 from rfcompass.arrays import FloatArray, read_only
 from rfcompass.errors import InputError, ShapeError
+from rfcompass.types import VoxelGrid
 from rfcompass.types.record import Record
 
 
@@ -80,6 +81,7 @@ class FewestActionsPolicy(MaskPolicy):
         target_m: Edges of the target [m], shape (3,).
         removals: R, how many removals at a place are thought of; 1 is greedy.
         enough: Share of the target that has to be seen from above to know it.
+        trust: The map is taken to this power, and to a sum of 1: below 1 for maps that are too sure of themselves.
         layers: How things lie on each other.
         costs: What actions cost.
     """
@@ -88,6 +90,7 @@ class FewestActionsPolicy(MaskPolicy):
     target_m: FloatArray
     removals: int = 2
     enough: float = 0.25
+    trust: float = 1.0
     layers: LayerRules = field(default_factory=LayerRules)
     costs: ActionCosts = field(default_factory=ActionCosts)
 
@@ -98,9 +101,9 @@ class FewestActionsPolicy(MaskPolicy):
         object.__setattr__(self, "target_m", target_m)
         if not (target_m > 0).all():
             raise ShapeError(f"FewestActionsPolicy.target_m: {target_m.tolist()} m are no lengths", name="target_m")
-        if self.removals < 1 or not 0 < self.enough <= 1:
-            message = f"FewestActionsPolicy: {self.removals} removals, {self.enough} of the target: out of range"
-            raise InputError(message, got=[self.removals, self.enough])
+        if self.removals < 1 or not (0 < self.enough <= 1 and self.trust > 0):
+            given = [self.removals, self.enough, self.trust]
+            raise InputError(f"FewestActionsPolicy: removals, enough and trust {given} are out of range", got=given)
 
     def judged(self, scene: Scene) -> FloatArray:
         """Value of each candidate after the gate, shape (K,); its chance of success already knows what failed."""
@@ -116,7 +119,8 @@ class FewestActionsPolicy(MaskPolicy):
         """F_i(r) for r = 1 ... R, shape (K, R)."""
         shortest_m, middle_m, longest_m = sorted(self.target_m.tolist())
         radius_m = float(np.sqrt(longest_m * middle_m / np.pi))
-        labels, grid = scene.candidates.labels, scene.grid
+        labels = scene.candidates.labels
+        grid = VoxelGrid(scene.grid.origin_m, scene.grid.spacing_m, np.maximum(scene.grid.values, 0.0) ** self.trust)
         mass = mass_by_depth(grid, columns, labels, shortest_m / 2, radius_m, self.enough)
         depths_m = grid.spacing_m * np.arange(mass.shape[1], dtype=np.float64)
         return np.asarray(mass @ chance_in_sight(depths_m, self.removals, self.layers).T)

@@ -111,8 +111,18 @@ def test_way_costs_little_but_decides_between_equals():
     assert dear.choose(*far.parts()).mask_label == 2
 
 
+def test_less_trust_in_the_map_prefers_many_doubtful_places_to_one_likely_one():
+    asked = question(ALIKE, mass=(1.0, 0.0), quality=(0.6, 0.6))
+    values = asked.grid.values.copy()
+    values[38:48, 15:25, 0] = 0.008
+    grid = VoxelGrid(asked.grid.origin_m, asked.grid.spacing_m, values)
+    for trust, chosen in ((1.0, 1), (0.3, 2)):
+        policy = dataclasses.replace(OURS, trust=trust)
+        assert policy.choose(grid, asked.view, asked.masks, asked.grasps).mask_label == chosen
+
+
 def test_parameters_have_ranges():
-    for wrong in ({"removals": 0}, {"enough": 0.0}, {"tau": 2.0}):
+    for wrong in ({"removals": 0}, {"enough": 0.0}, {"trust": 0.0}, {"tau": 2.0}):
         with pytest.raises(InputError):
             FewestActionsPolicy(target_m=TARGET_M, **wrong)
     with pytest.raises(ShapeError):
