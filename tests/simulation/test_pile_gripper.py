@@ -147,3 +147,23 @@ def test_a_tool_that_does_not_point_down_is_refused() -> None:
 def test_a_hand_without_a_size_or_force_is_refused(name: str) -> None:
     with pytest.raises(PileError, match=name):
         PileHand(**{name: 0.0})
+
+
+def test_cloth_gives_way_under_one_tip_until_the_other_has_it_too() -> None:
+    prop, cover = item(1, "box", 0.03, 0.16, 0.02), item(2, "cover", 0.20, 0.15, 0.01)
+    tilted = at(0.02, 0.0, 0.03)
+    c, s = np.cos(0.2), np.sin(0.2)
+    tilted[:3, :3] = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    outcomes = []
+    for gives_m in (0.03, 1e-6):
+        world = world_of((prop, at(-0.05, 0, 0.01)), (cover, tilted))
+        done = grasp_item(world, hand_at(0.06, 0, 0.002), 0.06, PileHand(cloth_gives_m=gives_m))
+        outcomes.append(done.pinched)
+    assert outcomes == [True, False]
+
+
+def test_rigid_things_are_never_pinched() -> None:
+    world = world_of((item(1, "box", 0.20, 0.15, 0.01), at(0, 0, 0.005)))
+    done = grasp_item(world, hand_at(0, 0, 0.008), 0.04)
+    assert not done.pinched
+    assert done.outcome != "held"

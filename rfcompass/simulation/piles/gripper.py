@@ -5,7 +5,8 @@ vertical slide with a servo, so that what it meets on its way down pushes back. 
 approach; the tips are 13 mm beyond its origin.
 
 Cloth is not gripped at its sides but pinched. Covers are stiff plates here, so that pinching is a stated surrogate: if
-both tips press on one cover, it is tied to the hand where they do, until more than a limit pulls at it.
+one tip presses on a cover, and the other does too or has it close below (cloth would give way under the first), or if
+both jaws touch it while they close, then it is tied to the hand there, until more than a limit pulls at it.
 """
 
 from dataclasses import dataclass
@@ -37,6 +38,9 @@ _ABOVE_M, _AROUND_M = 0.02, 0.09
 # What is further from the hand's axis than this, and does not hang together with anything nearer, stays at rest.
 _NEAR_M = 0.15
 _RETREAT_M = 0.02  # of a hand that was blocked
+_CLOSING = 5  # looks at the jaws, 0.05 s apart, before they count as closed
+_INSIDE_M = 0.001  # rays start so far inside a tip, which they do not see
+_HAND_GROUP = 3  # of geoms; items are in 0
 _SETTLE_S = 2.0  # what still creeps then is stopped, as every pile is before it is looked at
 
 
@@ -49,7 +53,8 @@ class PileHand(Record):
         grip_n: Force of each jaw [N]; a 2F-85 has 20 to 235.
         friction: Coefficient between jaw and item; of the pair the larger one counts.
         blocked_n: Vertical force at which the hand stops going down [N].
-        pinch_n: Vertical force at which both tips have a cover [N].
+        pinch_n: Vertical force at which a tip has a cover [N].
+        cloth_gives_m: How far cloth gives way under one tip, so that the other reaches it too [m].
         pinch_holds_n: Pull at which a pinched cover is lost [N].
         speed_m_s: Of going down and up [m/s].
         lift_m: How high it is lifted [m].
@@ -60,6 +65,7 @@ class PileHand(Record):
     friction: float = 0.8
     blocked_n: float = 25.0
     pinch_n: float = 2.0
+    cloth_gives_m: float = 0.03
     pinch_holds_n: float = 15.0
     speed_m_s: float = 0.2
     lift_m: float = 0.12
@@ -190,8 +196,11 @@ class _Run:
         return True
 
     def _pinch(self) -> bool:
-        """Tie the cover that both tips press on; the panels under them."""
+        """Tie the cover that a tip presses on, if the other tip has it too; the panels in question."""
         left, right = self._touching(self._left), self._touching(self._right)
+        if not (left or right):
+            return False
+        left, right = left or self._below(self._left), right or self._below(self._right)
         both = {n for n in self._numbers(left) & self._numbers(right) if (n, 0) in self._covers}
         if not both:
             return False
@@ -200,6 +209,15 @@ class _Run:
                 self._tie(geom)
         self._tied = True
         return True
+
+    def _below(self, finger: int) -> set[int]:
+        """The geom of an item straight below a tip, if it is so near that cloth would reach it; one or none."""
+        tip_m = self.data.geom_xpos[finger] - np.array([0.0, 0.0, _FINGER_HALF_M[2] - _INSIDE_M])
+        met = np.array([-1], dtype=np.int32)
+        groups = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8)
+        far_m = self._engine.mj_ray(self.model, self.data, tip_m, np.array([0.0, 0.0, -1.0]), groups, 1, -1, met, None)
+        near = 0 <= far_m <= self._hand.cloth_gives_m + _INSIDE_M
+        return {int(met[0])} if near and 0 < met[0] < len(self._world.geom_numbers) else set()
 
     def _tie(self, geom: int) -> None:
         """Tie one panel to the hand where it is."""
@@ -217,11 +235,12 @@ class _Run:
 
     def _close(self) -> None:
         self.data.ctrl[1:] = -0.02
-        self._wait(0.25)
-        for _ in range(5):
+        for k in range(15):
             before_m = self._gap_m()
-            self._wait(0.1)
-            if abs(self._gap_m() - before_m) < 5e-4:
+            self._wait(0.05)
+            if self._touching(self._left) and self._touching(self._right) and self._pinch():
+                break
+            if k >= _CLOSING and abs(self._gap_m() - before_m) < 5e-4:
                 break
 
     def _go(self, up_m: float) -> None:
@@ -317,13 +336,15 @@ def hand_xml(T_world_hand: FloatArray, start_m: float, hand: PileHand, covers: l
     axes = " ".join(map(str, [*R[:, 0], *R[:, 1]]))
     friction = f'friction="{hand.friction} 0.02 0.005" solref="{_PAD_S} 1" solmix="1000"'
     body = "".join(
-        f'<geom type="{kind}" size="{" ".join(map(str, size))}" pos="{" ".join(map(str, pos))}" mass="0.4"/>'
+        f'<geom type="{kind}" size="{" ".join(map(str, size))}" pos="{" ".join(map(str, pos))}" mass="0.4" '
+        f'group="{_HAND_GROUP}"/>'
         for kind, size, pos in _BODY
     )
     fingers = "".join(
         f'<body name="finger_{side}" gravcomp="1"><joint name="jaw_{side}" type="slide" axis="0 {sign} 0" '
         f'range="-0.001 {hand.opening_m / 2}" damping="{_FINGER_N_S_M}" frictionloss="0" armature="0.05"/>'
-        f'<geom type="box" size="{half}" pos="0 {sign * _FINGER_HALF_M[1]} {_FINGER_Z_M}" mass="0.04" {friction}/>'
+        f'<geom type="box" size="{half}" pos="0 {sign * _FINGER_HALF_M[1]} {_FINGER_Z_M}" mass="0.04" {friction} '
+        f'group="{_HAND_GROUP}"/>'
         "</body>"
         for side, sign in (("left", 1), ("right", -1))
     )
