@@ -34,7 +34,7 @@ CLOSES, PINCHES = 1, 2
 
 
 class Tries(NamedTuple):
-    """What to try at each pixel: angles [rad] and depths [m]; weights of the numbers, the constant last."""
+    """What to try at each pixel: angles [rad] and growing depths [m]; weights of the numbers, the constant last."""
 
     angles: FloatArray
     depths: FloatArray
@@ -118,6 +118,7 @@ def _try_depths(
     spot: Spot, claw: Claw, tries: Tries, found: Found, where: tuple[int, int, float], numbers: FloatArray
 ) -> None:
     """Try to close at all depths at one place and angle; keep what is better than what was found before."""
+    spot.falls[:] = 0
     before = -1.0
     for wished in tries.depths:
         depth = min(wished, spot.point[2] - claw.lowest)

@@ -100,22 +100,32 @@ def _height(grid: Grid, x: float, y: float) -> float:
 @numba.njit(cache=True)
 def take_lines(grid: Grid, spot: Spot, first: int, last: int) -> None:
     """Heights along lines `first` to `last` - 1, from the middle to both sides."""
+    X, Y = grid.heights.shape
+    reach = (STEPS * _STEP_M + MIDDLE * _APART_M) * grid.per_m
+    i, j = (spot.point[0] - grid.x) * grid.per_m + 0.5, (spot.point[1] - grid.y) * grid.per_m + 0.5
+    inside = i - reach >= 0.0 and j - reach >= 0.0 and i + reach < X and j + reach < Y
     for line in range(first, last):
-        t = (line - MIDDLE) * _APART_M
-        x, y = spot.point[0] - spot.sin * t, spot.point[1] + spot.cos * t
+        t = (line - MIDDLE) * _APART_M * grid.per_m
         for side in range(2):
-            sign = 1.0 - 2.0 * side
-            dx, dy = sign * spot.cos * _STEP_M, sign * spot.sin * _STEP_M
+            way = (1.0 - 2.0 * side) * _STEP_M * grid.per_m
             for k in range(STEPS):
-                spot.profile[side, line, k] = _height(grid, x + dx * k, y + dy * k)
+                a, b = i + spot.cos * way * k - spot.sin * t, j + spot.sin * way * k + spot.cos * t
+                if inside or (a >= 0.0 and b >= 0.0 and a < X and b < Y):
+                    spot.profile[side, line, k] = grid.heights[int(a), int(b)]
+                else:
+                    spot.profile[side, line, k] = np.inf
 
 
 @numba.njit(cache=True)
 def may_close(spot: Spot, claw: Claw, depths: FloatArray) -> bool:
-    """Whether at some depth the middle line falls to both sides within the hand, and it is in their middle."""
+    """Whether at some depth the middle line falls to both sides within the hand, and it is in their middle.
+
+    Depths grow, so that each line falls no nearer than before.
+    """
+    spot.falls[:] = 0
     for wished in depths:
-        depth = min(wished, spot.point[2] - claw.lowest)
-        if depth >= LEAST_M and _is_between(spot, spot.point[2] - depth, claw):
+        tip = spot.point[2] - min(wished, spot.point[2] - claw.lowest)
+        if spot.point[2] - tip >= LEAST_M and _is_between(spot, tip, claw):
             return True
     return False
 
@@ -123,8 +133,9 @@ def may_close(spot: Spot, claw: Claw, depths: FloatArray) -> bool:
 @numba.njit(cache=True)
 def _is_between(spot: Spot, tip: float, claw: Claw) -> bool:
     """Whether the hand is in the middle of the sides on the middle line, as far as its room allows, and can go down."""
-    left = _fall_at(spot.profile, 0, MIDDLE, tip + _SIDE_M)
-    right = _fall_at(spot.profile, 1, MIDDLE, tip + _SIDE_M)
+    _follow_line(spot, 0, MIDDLE, tip + _SIDE_M)
+    _follow_line(spot, 1, MIDDLE, tip + _SIDE_M)
+    left, right = spot.falls[0, MIDDLE], spot.falls[1, MIDDLE]
     if min(left, right) < 1 or max(left, right) * _STEP_M > claw.opening / 2:
         return False
     if abs(left - right) * _STEP_M > claw.room:
@@ -134,17 +145,17 @@ def _is_between(spot: Spot, tip: float, claw: Claw) -> bool:
 
 
 @numba.njit(cache=True, inline="always")
-def _fall_at(profile: FloatArray, side: int, line: int, level: float) -> int:
-    """First step at which a line is below a level; the number of steps if it never is."""
-    for k in range(STEPS):
-        if profile[side, line, k] < level:
-            return k
-    return STEPS
+def _follow_line(spot: Spot, side: int, line: int, level: float) -> None:
+    """Go on along a line to the first step that is below a level; to the number of steps if there is none."""
+    k = spot.falls[side, line]
+    while k < STEPS and spot.profile[side, line, k] >= level:
+        k += 1
+    spot.falls[side, line] = k
 
 
 @numba.njit(cache=True)
 def closing_numbers(spot: Spot, depth: float, claw: Claw, numbers: FloatArray) -> float:
-    """Numbers `CLOSING` of a grasp.
+    """Numbers `CLOSING` of a grasp; from one call to the next at the same spot depths must grow.
 
     Returns:
         What the jaws close on [m]; -1 if it is wider than the hand, or out of its middle, or skew beyond the cone.
@@ -154,7 +165,7 @@ def closing_numbers(spot: Spot, depth: float, claw: Claw, numbers: FloatArray) -
         return -1.0
     for side in range(2):
         for line in range(LINES):
-            spot.falls[side, line] = _fall_at(spot.profile, side, line, tip + _SIDE_M)
+            _follow_line(spot, side, line, tip + _SIDE_M)
     left, right = _reach(spot.falls, 0), _reach(spot.falls, 1)
     width, skew = left + right, max(_skew(spot.falls, 0), _skew(spot.falls, 1))
     half = min(width + claw.room, claw.opening) / 2
