@@ -4,14 +4,15 @@ One trial is one pile, searched by every method, each from the start: difference
 is the same for methods that have done the same so far.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from planners.extraction import FewestActionsPolicy
 from planners.search_method import WHOLE_VIEW_M, SearchMethod
-from rfcompass.errors import PileUnsettled
+from rfcompass.errors import PileError, PileUnsettled
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.mapping import VisualMap
 from rfcompass.simulation.piles import PileScene
@@ -27,21 +28,36 @@ TAGS = 8
 LOST = 16.0  # actions that a search counts which did not find its target; one more than are allowed
 # Where the target is known to be, from the simulator: no method can know more.
 KNOWN = "known"
-# Name in the tables: way of searching, tags on distractors, whether the target is tagged.
-ARMS: Mapping[str, tuple[str, int, bool]] = {
-    "fusebot_0": ("fusebot", 0, False),
-    "fusebot_8": ("fusebot", TAGS, False),
-    "fusebot_own": ("fusebot", 0, True),
-    "fusebot_equal": ("fusebot_equal", 0, False),
-    "fusebot_no_gate": ("fusebot_no_gate", 0, False),
-    "xray": ("xray", 0, False),
-    "xray_equal": ("xray_equal", 0, False),
-    "naive": ("naive", 0, False),
-    "largest": ("largest", 0, False),
-    "random": ("random", 0, False),
-    "ours_0": ("ours", 0, False),
-    "ours_8": ("ours", TAGS, False),
-    KNOWN: (KNOWN, 0, False),
+
+
+class Arm(NamedTuple):
+    """One way of searching, on piles with tags.
+
+    Attributes:
+        way: Name in `search_methods.METHODS`, or `KNOWN`.
+        tags: Number of tagged distractors, as far as there are items for them.
+        placement: Where the tagged ones are, as in `tag_items`.
+    """
+
+    way: str
+    tags: int = 0
+    placement: str = "any"
+
+
+ARMS: Mapping[str, Arm] = {
+    "fusebot_0": Arm("fusebot"),
+    "fusebot_8": Arm("fusebot", TAGS),
+    "fusebot_own": Arm("fusebot", 0, "target"),
+    "fusebot_equal": Arm("fusebot_equal"),
+    "fusebot_no_gate": Arm("fusebot_no_gate"),
+    "xray": Arm("xray"),
+    "xray_equal": Arm("xray_equal"),
+    "naive": Arm("naive"),
+    "largest": Arm("largest"),
+    "random": Arm("random"),
+    "ours_0": Arm("ours"),
+    "ours_8": Arm("ours", TAGS),
+    KNOWN: Arm(KNOWN),
 }
 # Differences of actions that are reported: the first less the second.
 PAIRS: Sequence[tuple[str, str]] = (
@@ -89,43 +105,60 @@ class TruePlace:
         return table.grid(values)
 
 
-def run_arm(arm: str, scene: PileScene, seed: int) -> SearchResult:
-    """Search a pile by one of the ways of `ARMS`.
+def run_arm(arm: Arm, scene: PileScene, seed: int) -> SearchResult:
+    """Search a pile in one way.
 
     Raises:
         PileUnsettled: If the simulation blew up.
+        PileError: If there are no items for the tags where they should be.
     """
-    way, count, own = ARMS[arm]
-    tags = tagged_items_of(scene, "target" if own else "any", count, seed)
+    tags = tagged_items_of(scene, arm.placement, arm.tags, seed)
     task = SearchTask(scene, tags, seed)
     robot = task.robot()
-    if way == KNOWN:
+    if arm.way == KNOWN:
         policy = FewestActionsPolicy(target_m=tags.target_size.size_m)
         told = TruePlace(robot)
         method = SearchMethod(name=KNOWN, policy=policy, belief=told, update_edge_m=WHOLE_VIEW_M, remembers=True)
     else:
-        method = search_method(way, tags.target_size, seed)
+        method = search_method(arm.way, tags.target_size, seed)
     return SearchRun(task, method, robot).run()
 
 
 def searches_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, MetricValue]:  # noqa: ARG001
     """Search one pile by every method."""
-    scene = pile_scene(str(cell["family"]), seed)
+    return row_of(str(cell["family"]), seed, ARMS, PAIRS)
+
+
+def row_of(family: str, seed: int, arms: Mapping[str, Arm], pairs: Sequence[tuple[str, str]]) -> dict[str, MetricValue]:
+    """Search one pile in several ways, and compare them; None for a way whose tags or physics cannot be."""
+    scene = pile_scene(family, seed)
     row: dict[str, MetricValue] = {"scene": scene.fingerprint}
     actions: dict[str, float | None] = {}
-    for arm in ARMS:
+    for name, arm in arms.items():
         try:
             result = run_arm(arm, scene, seed)
-        except PileUnsettled as broken:
-            row |= _nothing(arm, broken.kind)
-            actions[arm] = None
+        except (PileUnsettled, PileError) as cannot:
+            row |= _nothing(name, cannot.kind)
+            actions[name] = None
             continue
-        row |= _judged(arm, result)
-        actions[arm] = float(result.actions) if result.found else LOST
-    for one, other in PAIRS:
+        row |= _judged(name, result)
+        actions[name] = float(result.actions) if result.found else LOST
+    for one, other in pairs:
         a, b = actions[one], actions[other]
         row[_difference(one, other)] = None if a is None or b is None else a - b
     return row
+
+
+def metrics_of(arms: Iterable[str], pairs: Iterable[tuple[str, str]]) -> tuple[Metric, ...]:
+    """What `row_of` measures."""
+    return (
+        Metric("scene", (), "text"),
+        *(metric for arm in arms for metric in _metrics_of(arm)),
+        *(
+            Metric(_difference(one, other), ("mean",), "float", f"actions: {one} less {other}", "", 1.0, 2)
+            for one, other in pairs
+        ),
+    )
 
 
 def _difference(one: str, other: str) -> str:
@@ -166,7 +199,8 @@ def _metrics_of(arm: str) -> tuple[Metric, ...]:
     )
 
 
-def _paper(arm: str, median: float, p90: float, source: str, metric: str = "actions") -> list[PaperValue]:
+def paper_values(arm: str, median: float, p90: float, source: str, metric: str = "actions") -> list[PaperValue]:
+    """Median and 90 % quantile that a paper prints for an arm."""
     name = f"{metric}_{arm}"
     return [PaperValue(name, "median", median, source, DIFFERS), PaperValue(name, "p90", p90, source, DIFFERS)]
 
@@ -179,21 +213,14 @@ SEARCHES = Study(
     seeds=range(1000, 1034),
     tuning_seeds=range(40),
     trial=searches_trial,
-    metrics=(
-        Metric("scene", (), "text"),
-        *(metric for arm in ARMS for metric in _metrics_of(arm)),
-        *(
-            Metric(_difference(one, other), ("mean",), "float", f"actions: {one} less {other}", "", 1.0, 2)
-            for one, other in PAIRS
-        ),
-    ),
+    metrics=metrics_of(ARMS, PAIRS),
     paper=(
-        *_paper("fusebot_8", 3.0, 6.0, TABLE_1),
-        *_paper("fusebot_own", 2.0, 5.0, TABLE_1),
-        *_paper("xray", 5.0, 11.0, TABLE_1),
-        *_paper("naive", 4.0, 6.9, TABLE_3),
-        *_paper("fusebot_8", 62.0, 132.0, TABLE_2, "time_s"),
-        *_paper("xray", 142.0, 237.0, TABLE_2, "time_s"),
+        *paper_values("fusebot_8", 3.0, 6.0, TABLE_1),
+        *paper_values("fusebot_own", 2.0, 5.0, TABLE_1),
+        *paper_values("xray", 5.0, 11.0, TABLE_1),
+        *paper_values("naive", 4.0, 6.9, TABLE_3),
+        *paper_values("fusebot_8", 62.0, 132.0, TABLE_2, "time_s"),
+        *paper_values("xray", 142.0, 237.0, TABLE_2, "time_s"),
         *(
             PaperValue(f"found_{arm}", SHARE, share, TABLE_1, DIFFERS)
             for arm, share in (("fusebot_8", 0.95), ("fusebot_own", 0.95), ("xray", 0.84))
