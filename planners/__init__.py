@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from planners.base_placement import inverse_map as inverse_map
     from planners.grasp import GraspPlanner as GraspPlanner
     from planners.grasp import GraspRules as GraspRules
+    from planners.grasp_at_pixel import grasp_at_pixel as grasp_at_pixel
+    from planners.grasp_network import NetworkGraspQuality as NetworkGraspQuality
+    from planners.grasp_quality import AntipodalQuality as AntipodalQuality
+    from planners.grasp_quality import JawSizes as JawSizes
     from planners.grasp_stages import StageRules as StageRules
     from planners.hand_stops import FreeStops as FreeStops
     from planners.hand_stops import HandStops as HandStops
@@ -43,6 +47,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "AgainRules": "measure_again",
+    "AntipodalQuality": "grasp_quality",
     "AntipodalRules": "antipodal",
     "BasePlacement": "base_placement",
     "FreeStops": "hand_stops",
@@ -52,10 +57,12 @@ _HOME = {
     "HandStops": "hand_stops",
     "IkRules": "ik",
     "InverseKinematics": "ik",
+    "JawSizes": "grasp_quality",
     "MapMaker": "reachability",
     "MeasureAgain": "measure_again",
     "MotionChecker": "motion_check",
     "MotionReport": "motion_check",
+    "NetworkGraspQuality": "grasp_network",
     "PartGrasp": "base_placement",
     "ScanMotion": "scan_motion",
     "SearchRules": "path_search",
@@ -65,6 +72,7 @@ _HOME = {
     "ToolDirections": "task_map",
     "antipodal_grasps": "antipodal",
     "best_base_pose": "base_placement",
+    "grasp_at_pixel": "grasp_at_pixel",
     "inverse_map": "base_placement",
     "load_task_map": "task_map",
     "move_straight": "straight_motion",
@@ -78,6 +86,7 @@ _HOME = {
 
 __all__ = [
     "AgainRules",
+    "AntipodalQuality",
     "AntipodalRules",
     "BasePlacement",
     "FreeStops",
@@ -87,10 +96,12 @@ __all__ = [
     "HandStops",
     "IkRules",
     "InverseKinematics",
+    "JawSizes",
     "MapMaker",
     "MeasureAgain",
     "MotionChecker",
     "MotionReport",
+    "NetworkGraspQuality",
     "PartGrasp",
     "ScanMotion",
     "SearchRules",
@@ -100,6 +111,7 @@ __all__ = [
     "ToolDirections",
     "antipodal_grasps",
     "best_base_pose",
+    "grasp_at_pixel",
     "inverse_map",
     "load_task_map",
     "move_straight",

@@ -65,7 +65,7 @@ def rate_pixels(points: FloatArray, wanted: BoolArray, grid: Grid, claw: Claw, t
         tries: Angles, depths and weights.
         found: Where to write; log-odds begin at minus infinity, kinds at 0.
     """
-    profile, around = np.empty((2, LINES, STEPS)), np.empty(5)
+    profile, around = np.empty((2, LINES, STEPS)), np.empty(4)
     rays, numbers, falls = np.empty((2, RAYS)), np.zeros(len(CLOSING)), np.empty((2, LINES), np.int64)
     for v in range(points.shape[0]):
         for u in range(points.shape[1]):
@@ -77,7 +77,7 @@ def rate_pixels(points: FloatArray, wanted: BoolArray, grid: Grid, claw: Claw, t
                 _try_spot(grid, spot, claw, tries, found, (v, u, angle), (rays, numbers))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def _try_spot(
     grid: Grid,
     spot: Spot,
@@ -100,7 +100,7 @@ def _try_spot(
     if pinches:
         _try_pinch(spot, claw, tries, found, where, numbers)
     if closes:
-        _try_depths(spot, claw, tries, found, where, numbers)
+        _try_depths(grid, spot, claw, tries, found, where, numbers)
 
 
 @numba.njit(cache=True)
@@ -115,7 +115,13 @@ def _try_pinch(
 
 @numba.njit(cache=True)
 def _try_depths(
-    spot: Spot, claw: Claw, tries: Tries, found: Found, where: tuple[int, int, float], numbers: FloatArray
+    grid: Grid,
+    spot: Spot,
+    claw: Claw,
+    tries: Tries,
+    found: Found,
+    where: tuple[int, int, float],
+    numbers: FloatArray,
 ) -> None:
     """Try to close at all depths at one place and angle; keep what is better than what was found before."""
     spot.falls[:] = 0
@@ -125,7 +131,7 @@ def _try_depths(
         if depth < LEAST_M or depth <= before:
             continue
         before = depth
-        width = closing_numbers(spot, depth, claw, numbers)
+        width = closing_numbers(grid, spot, depth, claw, numbers)
         if width > 0:
             _keep(found, where, (width, depth, CLOSES), numbers, tries.closing)
 

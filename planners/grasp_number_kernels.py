@@ -11,19 +11,19 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from rfcompass.arrays import FloatArray, IntArray
+from rfcompass.arrays import BoolArray, FloatArray, IntArray
 
 CLOSING = (
-    "clearance",  # height of the tips over what is under the fingers, of 10 mm
+    "clearance",  # height of the tips over what is under the fingers, of 5 mm
     "skew",  # larger angle of a side against the jaws, of the friction cone's
     "contact",  # share of the finger's width that touches, of the side with less
-    "engaged",  # height of the side over the tips, of 20 mm, of the side with less
+    "engaged",  # height of the side over the tips, of 10 mm, of the side with less
     "steepness",  # fall of the side within 5 mm, of 10 mm, of the side with less
     "width",  # of the opening
     "off_centre",  # of the middle between the sides, of 10 mm
-    "offset",  # of the middle of the thing, across the jaws, of 40 mm
+    "unseen",  # share of the ground under a finger that no pixel showed, of the side with more
     "pinned",  # share of directions in which something rises at the end of the surface
-    "palm",  # room under the palm, of 20 mm
+    "palm",  # room under the palm, of 10 mm
 )
 PINCHING = (
     "uneven",  # difference of heights under and between the tips, of 10 mm
@@ -47,9 +47,10 @@ _PALM_M = 0.02  # between places that are looked at under the palm
 
 
 class Grid(NamedTuple):
-    """A `HeightMap`: heights [m], middle of the first cell [m], cells per metre."""
+    """A `HeightMap`: heights [m], whether seen, middle of the first cell [m], cells per metre."""
 
     heights: FloatArray
+    seen: BoolArray
     x: float
     y: float
     per_m: float
@@ -76,8 +77,8 @@ class Spot(NamedTuple):
     """One place and angle.
 
     The point [m], cosine and sine of the angle; heights to both sides [m], shape (2, lines, steps). Around it, shape
-    (5,): share of directions that end in a rise, longest and shortest chord, offset of the middle across the jaws,
-    highest thing under the palm [m]. And at which step each line falls to the tips, shape (2, lines).
+    (4,): share of directions that end in a rise, longest and shortest chord, highest thing under the palm [m]. And at
+    which step each line falls to the tips, shape (2, lines).
     """
 
     point: FloatArray
@@ -116,7 +117,7 @@ def take_lines(grid: Grid, spot: Spot, first: int, last: int) -> None:
                     spot.profile[side, line, k] = np.inf
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def may_close(spot: Spot, claw: Claw, depths: FloatArray) -> bool:
     """Whether at some depth the middle line falls to both sides within the hand, and it is in their middle.
 
@@ -154,7 +155,7 @@ def _follow_line(spot: Spot, side: int, line: int, level: float) -> None:
 
 
 @numba.njit(cache=True)
-def closing_numbers(spot: Spot, depth: float, claw: Claw, numbers: FloatArray) -> float:
+def closing_numbers(grid: Grid, spot: Spot, depth: float, claw: Claw, numbers: FloatArray) -> float:
     """Numbers `CLOSING` of a grasp; from one call to the next at the same spot depths must grow.
 
     Returns:
@@ -172,15 +173,15 @@ def closing_numbers(spot: Spot, depth: float, claw: Claw, numbers: FloatArray) -
     under = _under_fingers(spot.profile, half, claw.thickness, (0, LINES))
     if max(left, right) > half or skew > claw.cone or tip - under <= _BURIED_M:
         return -1.0
-    numbers[0], numbers[1] = min((tip - under) / 0.01, 1.0), skew / claw.cone
+    numbers[0], numbers[1] = min((tip - under) / 0.005, 1.0), skew / claw.cone
     numbers[2] = min(_contact(spot.falls, 0, left), _contact(spot.falls, 1, right))
     engaged_l, steep_l = _flank(spot, 0)
     engaged_r, steep_r = _flank(spot, 1)
-    numbers[3] = min(engaged_l - tip, engaged_r - tip, 0.04) / 0.02
-    numbers[4] = min(steep_l, steep_r, 0.02) / 0.01
+    numbers[3] = min(engaged_l - tip, engaged_r - tip, 0.01) / 0.01
+    numbers[4] = min(steep_l, steep_r, 0.01) / 0.01
     numbers[5], numbers[6] = width / claw.opening, abs(left - right) / 2 / 0.01
-    numbers[7], numbers[8] = min(abs(spot.around[3]) / 0.04, 1.5), spot.around[0]
-    numbers[9] = min(max((tip + claw.palm - spot.around[4]) / 0.02, -1.0), 1.0)
+    numbers[7] = max(_unseen(grid, spot, 0, half, claw), _unseen(grid, spot, 1, half, claw))
+    numbers[8], numbers[9] = spot.around[0], _palm_room(tip, spot, claw)
     return float(width)
 
 
@@ -226,8 +227,7 @@ def _flank(spot: Spot, side: int) -> tuple[float, float]:
 @numba.njit(cache=True)
 def _under_fingers(profile: FloatArray, half: float, thickness: float, lines: tuple[int, int]) -> float:
     """Highest thing where the fingers come down, half the opening to each side, on some lines."""
-    first = int(np.ceil(half / _STEP_M - 1e-6))
-    last = min(int(np.ceil((half + thickness) / _STEP_M - 1e-6)), STEPS - 1)
+    first, last = _finger_steps(half, thickness)
     highest = -np.inf
     for side in range(2):
         for line in range(lines[0], lines[1]):
@@ -237,6 +237,35 @@ def _under_fingers(profile: FloatArray, half: float, thickness: float, lines: tu
 
 
 @numba.njit(cache=True)
+def _palm_room(tip: float, spot: Spot, claw: Claw) -> float:
+    """Height of the palm over what is under it, of 10 mm, within ±1."""
+    return float(min(max((tip + claw.palm - spot.around[3]) / 0.01, -1.0), 1.0))
+
+
+@numba.njit(cache=True)
+def _unseen(grid: Grid, spot: Spot, side: int, half: float, claw: Claw) -> float:
+    """Share of the places where a finger comes down that no pixel showed; outside the map none did."""
+    first, last = _finger_steps(half, claw.thickness)
+    sign, unseen = 1.0 - 2.0 * side, 0
+    for line in range(LINES):
+        t = (line - MIDDLE) * _APART_M
+        for k in range(first, last + 1):
+            along = sign * k * _STEP_M
+            i = (spot.point[0] + spot.cos * along - spot.sin * t - grid.x) * grid.per_m + 0.5
+            j = (spot.point[1] + spot.sin * along + spot.cos * t - grid.y) * grid.per_m + 0.5
+            inside = i >= 0.0 and j >= 0.0 and i < grid.seen.shape[0] and j < grid.seen.shape[1]
+            unseen += not (inside and grid.seen[int(i), int(j)])
+    return float(unseen / (LINES * (last - first + 1)))
+
+
+@numba.njit(cache=True)
+def _finger_steps(half: float, thickness: float) -> tuple[int, int]:
+    """First and last step of a finger that stands half an opening from the middle."""
+    first, last = int(np.ceil(half / _STEP_M - 1e-6)), int(np.ceil((half + thickness) / _STEP_M - 1e-6))
+    return first, min(last, STEPS - 1)
+
+
+@numba.njit(cache=True, inline="always")
 def is_even(spot: Spot, first: int, last: int) -> bool:
     """Whether heights on lines under and between the tips differ little."""
     return _unevenness(spot, first, last) < _UNEVEN_M
@@ -262,7 +291,7 @@ def pinching_numbers(spot: Spot, claw: Claw, numbers: FloatArray) -> bool:
     numbers[:] = 0.0
     numbers[0], numbers[1] = uneven / 0.01, _tilt(spot) / 0.01
     numbers[2], numbers[3], numbers[4] = spot.around[1] / 0.2, spot.around[2] / 0.15, spot.around[0]
-    numbers[5] = min(max((spot.point[2] - PINCH_DEPTH_M + claw.palm - spot.around[4]) / 0.02, -1.0), 1.0)
+    numbers[5] = _palm_room(spot.point[2] - PINCH_DEPTH_M, spot, claw)
     return True
 
 
@@ -294,16 +323,13 @@ def follow_surface(grid: Grid, point: FloatArray, rays: FloatArray) -> None:
 
 @numba.njit(cache=True)
 def look_around(grid: Grid, spot: Spot, rays: FloatArray, claw: Claw) -> None:
-    """Sum up the directions; the offset is that across the jaws. And what is highest under the palm."""
+    """Sum up the directions; and what is highest under the palm."""
     around, half = spot.around, RAYS // 2
-    around[0], around[1], around[2], around[4] = 0.0, 0.0, np.inf, -np.inf
+    around[0], around[1], around[2], around[3] = 0.0, 0.0, np.inf, -np.inf
     for n in range(half):
         chord = rays[0, n] + rays[0, n + half]
         around[1], around[2] = max(around[1], chord), min(around[2], chord)
         around[0] += (rays[1, n] + rays[1, n + half]) / RAYS
-    turn = np.arctan2(spot.sin, spot.cos) + np.pi / 2
-    across = int(np.round(turn / (2 * np.pi / RAYS))) % RAYS
-    around[3] = (rays[0, across] - rays[0, (across + half) % RAYS]) / 2
     long, wide = int(claw.palm_along / _PALM_M + 0.5), int(claw.palm_across / _PALM_M + 0.5)
     for i in range(-long, long + 1):
         for j in range(-wide, wide + 1):
@@ -311,4 +337,4 @@ def look_around(grid: Grid, spot: Spot, rays: FloatArray, claw: Claw) -> None:
             x = spot.point[0] + spot.cos * along - spot.sin * across_m
             height = _height(grid, x, spot.point[1] + spot.sin * along + spot.cos * across_m)
             if height < np.inf:  # what nobody saw is not taken for high: the palm is far up
-                around[4] = max(around[4], height)
+                around[3] = max(around[3], height)

@@ -125,7 +125,13 @@ class AntipodalQuality:
         if heights is not None:
             angles = np.arange(self.angles) * np.pi / self.angles if angles_rad is None else np.asarray(angles_rad)
             tries = Tries(angles, np.sort(self.depths_m), np.array(self.closing), np.array(self.pinching))
-            grid = Grid(heights.heights_m, float(heights.corner_m[0]), float(heights.corner_m[1]), 1 / heights.cell_m)
+            grid = Grid(
+                heights.heights_m,
+                heights.seen,
+                float(heights.corner_m[0]),
+                float(heights.corner_m[1]),
+                1 / heights.cell_m,
+            )
             rate_pixels(points_m, standing if pixels is None else standing & pixels, grid, self._claw(), tries, found)
         return GraspEvidence(*found)
 

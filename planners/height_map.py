@@ -24,17 +24,20 @@ class HeightMap(Record):
         corner_m: Middle of the first cell, x and y in the world [m], shape (2,).
         cell_m: Edge of a cell [m].
         heights_m: Height in the world [m], infinite where nothing is known, shape (X, Y).
+        seen: Whether a pixel showed it; the other heights are guesses, shape (X, Y).
     """
 
     corner_m: FloatArray
     cell_m: float
     heights_m: FloatArray
+    seen: BoolArray
 
     def __post_init__(self) -> None:
         """Freeze the arrays; a height is a number or infinite, never NaN."""
         object.__setattr__(self, "corner_m", read_only(self.corner_m, "HeightMap.corner_m", (2,)))
         heights_m = read_only(self.heights_m, "HeightMap.heights_m", (None, None), finite=False)
         object.__setattr__(self, "heights_m", heights_m)
+        object.__setattr__(self, "seen", read_only(self.seen, "HeightMap.seen", heights_m.shape, np.bool_))
         if not self.cell_m > 0:
             raise ShapeError(f"HeightMap.cell_m: {self.cell_m} is not positive", name="cell_m")
         if np.isnan(heights_m).any():
@@ -67,7 +70,7 @@ def height_map(view: DepthView, standing: BoolArray, cell_m: float = 0.0025) -> 
     K = view.intrinsics
     half = _SEAM * 0.5 / min(K[0, 0], K[1, 1])
     _raise_cells(raw_m, points_m, view.depth_m * half, low_m, cell_m)
-    return HeightMap(low_m, cell_m, _filled(raw_m, round(_REACH_M / cell_m), _NEIGHBOURS))
+    return HeightMap(low_m, cell_m, _filled(raw_m, round(_REACH_M / cell_m), _NEIGHBOURS), raw_m > -np.inf)
 
 
 @numba.njit(cache=True)

@@ -78,9 +78,7 @@ def _tried(view: DepthView, failed_m: Sequence[FloatArray]) -> BoolArray:
     return tried
 
 
-def _action(
-    view: DepthView, grasps: GraspMaps, pixel: tuple[int, int], label: int, quality: float
-) -> ExtractionAction:
+def _action(view: DepthView, grasps: GraspMaps, pixel: tuple[int, int], label: int, quality: float) -> ExtractionAction:
     T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *pixel)
     return ExtractionAction(label, T_world_hand, aperture_m, quality)
 

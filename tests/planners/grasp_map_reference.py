@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from planners.height_map import HeightMap
+
 STEP, LINES = 0.0025, np.array([-0.010, -0.005, 0.0, 0.005, 0.010])
 OPENING, ROOM, THICK, PALM, CONE, LOWEST = 0.085, 0.020, 0.012, 0.058, np.arctan(0.6), 0.004
 
@@ -23,8 +25,8 @@ def in_jaws(heights, point, angle, along, across):
     return over(heights, point[0] + c * along - s * across, point[1] + s * along + c * across)
 
 
-def surroundings(heights, point, angle):
-    """Share of rises, longest and shortest chord, offset across the jaws."""
+def surroundings(heights, point):
+    """Share of rises, longest and shortest chord."""
     turns = np.arange(16) * np.pi / 8
     reach, rises = np.full(16, 0.120), np.zeros(16)
     for n, turn in enumerate(turns):
@@ -35,8 +37,7 @@ def surroundings(heights, point, angle):
         if len(jumps):
             reach[n], rises[n] = (jumps[0] + 0.5) * 0.004, seen[jumps[0] + 1] > seen[jumps[0]]
     chords = reach[:8] + reach[8:]
-    across = round((angle + np.pi / 2) / (np.pi / 8)) % 16
-    return rises.mean(), chords.max(), chords.min(), (reach[across] - reach[(across + 8) % 16]) / 2
+    return rises.mean(), chords.max(), chords.min()
 
 
 def palm_top(heights, point, angle):
@@ -70,20 +71,28 @@ def closing(heights, point, angle, depth):
     rim = [lines[side, 2, max(middle[side] - 2, 0)] for side in (0, 1)]
     edge = [lines[side, 2, middle[side] - 1] for side in (0, 1)]
     foot = [lines[side, 2, middle[side]] for side in (0, 1)]
-    rises, _, _, offset = surroundings(heights, point, angle)
+    rises, _, _ = surroundings(heights, point)
     numbers = [
-        min((tip - under(half, range(5))) / 0.01, 1.0),
+        min((tip - under(half, range(5))) / 0.005, 1.0),
         skew / CONE,
         min((ends[side] > reach[side] - 0.005).mean() for side in (0, 1)),
-        min(*(max(r, e) - tip for r, e in zip(rim, edge, strict=True)), 0.04) / 0.02,
-        min(*(r - f for r, f in zip(rim, foot, strict=True)), 0.02) / 0.01,
+        min(*(max(r, e) - tip for r, e in zip(rim, edge, strict=True)), 0.01) / 0.01,
+        min(*(r - f for r, f in zip(rim, foot, strict=True)), 0.01) / 0.01,
         width / OPENING,
         abs(reach[0] - reach[1]) / 2 / 0.01,
-        min(abs(offset) / 0.04, 1.5),
+        max(unseen(heights, point, angle, half)),
         rises,
-        np.clip((tip + PALM - palm_top(heights, point, angle)) / 0.02, -1, 1),
+        np.clip((tip + PALM - palm_top(heights, point, angle)) / 0.01, -1, 1),
     ]
     return width, np.array(numbers)
+
+
+def unseen(heights, point, angle, half):
+    """Share of the ground under the left and under the right finger that no pixel showed."""
+    first, last = int(np.ceil(half / STEP - 1e-6)), int(np.ceil((half + THICK) / STEP - 1e-6))
+    steps = np.arange(first, min(last, 24) + 1) * STEP
+    shown = HeightMap(heights.corner_m, heights.cell_m, np.where(heights.seen, 0.0, np.inf), heights.seen)
+    return [np.isinf([in_jaws(shown, point, angle, sign * steps, t) for t in LINES]).mean() for sign in (1, -1)]
 
 
 def skewness(falls):
@@ -101,8 +110,8 @@ def pinching(heights, point, angle):
     if not np.ptp(part) < 0.012:
         return None
     tops = part[:, :, 6:].max(axis=(1, 2))
-    rises, longest, shortest, _ = surroundings(heights, point, angle)
-    palm = np.clip((point[2] - 0.006 + PALM - palm_top(heights, point, angle)) / 0.02, -1, 1)
+    rises, longest, shortest = surroundings(heights, point)
+    palm = np.clip((point[2] - 0.006 + PALM - palm_top(heights, point, angle)) / 0.01, -1, 1)
     return np.array([np.ptp(part) / 0.01, abs(tops[0] - tops[1]) / 0.01, longest / 0.2, shortest / 0.15, rises, palm])
 
 

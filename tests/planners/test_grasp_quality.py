@@ -51,12 +51,12 @@ def test_an_image_without_any_depth_has_no_grasp():
 
 
 def test_a_box_is_gripped_in_its_middle_across_its_width():
-    view = look(Upright(0.03, -0.02, 0.5, 0.07, 0.04, 0.05))
+    view = look(Upright(0.03, -0.02, 0.5, 0.10, 0.04, 0.05))
     maps = QUALITY.quality(view)
     row, column = best_pixel(maps)
     T, aperture_m = grasp_at_pixel(view, maps, row, column)
     assert maps.quality[row, column] > 0.7
-    assert np.linalg.norm(T[:2, 3] - [0.03, -0.02]) < 0.015
+    assert np.linalg.norm(T[:2, 3] - [0.03, -0.02]) < 0.035
     turned = (maps.angle_rad[row, column] - (0.5 + np.pi / 2)) % np.pi
     assert min(turned, np.pi - turned) < np.deg2rad(12)
     assert 0.05 < aperture_m < 0.075
@@ -147,9 +147,9 @@ def test_what_nobody_saw_is_unknown():
 
 def test_a_map_of_nonsense_is_refused():
     with pytest.raises(ShapeError, match="NaN"):
-        HeightMap(np.zeros(2), 0.01, np.full((2, 2), np.nan))
+        HeightMap(np.zeros(2), 0.01, np.full((2, 2), np.nan), np.ones((2, 2), dtype=bool))
     with pytest.raises(ShapeError, match="not positive"):
-        HeightMap(np.zeros(2), 0.0, np.zeros((2, 2)))
+        HeightMap(np.zeros(2), 0.0, np.zeros((2, 2)), np.ones((2, 2), dtype=bool))
 
 
 def test_a_hand_without_an_opening_is_refused():
