@@ -220,11 +220,11 @@ class PileSearch:
             self._failed_m.append(point_m)
         if step.attempt.shows_target:
             return
-        look = self.robot.look(point_m, NEAR_M)
+        near = [epc for epc, fix in self._fixes.items() if np.linalg.norm(fix.point_m - point_m) < _MOVED_M]
+        look = self.robot.look(point_m, NEAR_M, near)
         self._seen = _refreshed(self._seen, look.views, point_m, self.method.update_edge_m)
         self._in_sight = look
-        near = {epc for epc, fix in self._fixes.items() if np.linalg.norm(fix.point_m - point_m) < _MOVED_M}
-        self._hear([fix for fix in look.fixes if canonical_epc(fix.epc) in near])
+        self._hear(look.fixes)
 
     def _target_in_sight(self) -> FloatArray | None:
         """Middle of the target's pixels in the last look that shows it, in the world [m], shape (3,)."""

@@ -8,7 +8,6 @@ from scipy import ndimage
 from planners.grasp_at_pixel import grasp_at_pixel
 from rfcompass.arrays import BoolArray, FloatArray
 from rfcompass.errors import NothingToGrasp
-from rfcompass.mapping import back_project
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
 
@@ -81,10 +80,3 @@ def _tried(view: DepthView, failed_m: Sequence[FloatArray]) -> BoolArray:
 def _action(view: DepthView, grasps: GraspMaps, pixel: tuple[int, int], label: int, quality: float) -> ExtractionAction:
     T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *pixel)
     return ExtractionAction(label, T_world_hand, aperture_m, quality)
-
-
-def point_at(view: DepthView, pixel: tuple[int, int]) -> FloatArray:
-    """Point of the world that a pixel shows [m], shape (3,)."""
-    only = np.zeros(view.depth_m.shape, dtype=bool)
-    only[pixel] = True
-    return np.asarray(back_project(view, only)[0])

@@ -1,6 +1,6 @@
 """A simulated arm over a simulated pile: sees, hears, grasps, and counts the time. Behind it is the truth."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,8 +9,7 @@ from planners.ik import IkRules, InverseKinematics
 from planners.path_timing import in_time
 from planners.pile_arm import ArmMotion, PileArm, link_poses
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import OutOfReach
-from rfcompass.localization import locate_all
+from rfcompass.errors import NoAnswer, OutOfReach
 from rfcompass.robots import load_robot
 from rfcompass.simulation import AntennaTrack, inventory_scan
 from rfcompass.simulation.piles import PileCamera, PileScene, PileWorld, TaggedItems, grasp_item, hear_tags
@@ -50,7 +49,6 @@ class SimulatedPileRobot:
         seed: Of all noise.
         way: Where a scan goes.
         arm: Plans and times the motions.
-        listens: Whether tags are heard on the ways between looks, too.
         absent: Whether the target is taken away before: it is sought in vain.
         world: The pile now; truth.
         taken: Numbers of the items in the drop zone, in order; truth.
@@ -63,7 +61,6 @@ class SimulatedPileRobot:
     seed: int
     way: WristWay = field(default_factory=lambda: wrist_way("two"))
     arm: PileArm = field(default_factory=pile_arm)
-    listens: bool = True
     absent: bool = False
     world: PileWorld = field(init=False)
     taken: list[int] = field(init=False, default_factory=list)
@@ -99,17 +96,16 @@ class SimulatedPileRobot:
         self._moved(ArmMotion((slower,), 0.0, self.way.camera_poses[-1]))
         return PileLook(tuple(views), self._located(self.way.track, rng))
 
-    def look(self, point_m: FloatArray, height_m: float) -> PileLook:
-        """Take an image from above a point, and hear tags on the way there."""
+    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+        """Take an image from above a point, and listen to some tags on the way there."""
         motion = self.arm.look_at(point_m, height_m, self._joints)
         if isinstance(motion, Failure):
             raise OutOfReach(f"the arm cannot look at the pile: {motion.message}", **dict(motion.numbers))
-        track = self._track(motion) if self.listens else None
         self._moved(motion)
         view = self._view(motion.T_world_link)
-        if track is None or len(track) < _FEWEST:
+        if not epcs or len(track := self._track(motion)) < _FEWEST:
             return PileLook((view,))
-        return PileLook((view,), self._located(track, self._rng(2)))
+        return PileLook((view,), self._located(track, self._rng(2), epcs))
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
         """Go for an object and put what is held into the drop zone."""
@@ -162,10 +158,18 @@ class SimulatedPileRobot:
         T = link_poses(self.arm, [*rows, path[-1]], ANTENNA)
         return AntennaTrack(T[:, :3, 3], T[:, :3, :3], np.ones(len(T), dtype=np.int64))
 
-    def _located(self, track: AntennaTrack, rng: np.random.Generator) -> tuple[TagFix, ...]:
-        """Tags that are on the table now, located from what was heard along a track."""
-        epcs, _, _ = self.tags.placed(self.world)
-        if not epcs:
+    def _located(
+        self, track: AntennaTrack, rng: np.random.Generator, epcs: Collection[str] | None = None
+    ) -> tuple[TagFix, ...]:
+        """Locate tags of the table from what is heard along a track, all of them if `epcs` is None."""
+        there, _, _ = self.tags.placed(self.world)
+        wanted = [epc for epc in there if epcs is None or epc in epcs]
+        if not wanted:
             return ()
-        scan = inventory_scan(hear_tags(self.world, self.tags, track, rng), epcs, FRAME)
-        return tuple(locate_all(scan, SEARCH, surveyor=PILE_SAR, epcs=epcs).fixes.values())
+        scan, fixes = inventory_scan(hear_tags(self.world, self.tags, track, rng), wanted, FRAME), []
+        for epc in wanted:
+            try:
+                fixes.append(PILE_SAR.locate(scan.traces[epc], SEARCH))
+            except (NoAnswer, KeyError):  # too few reads, or none
+                continue
+        return tuple(fixes)

@@ -1,6 +1,6 @@
 """The search ends when it should, with the reason, and remembers what it should; the robot plays by a script."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -70,11 +70,12 @@ class ScriptedRobot:
         views = [self._image(x, y, 0.7) for x, y in ((-0.1, 0.0), (0.1, 0.0), (0.0, 0.1))]
         return PileLook(tuple(views), self.fixes)
 
-    def look(self, point_m: FloatArray, height_m: float) -> PileLook:
+    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
         if self.blind:
             raise OutOfReach("the arm cannot look there")
         self.heights_m.append(height_m)
-        return PileLook((self._image(float(point_m[0]), float(point_m[1]), height_m),), self.heard_later)
+        heard = tuple(fix for fix in self.heard_later if fix.epc in epcs)
+        return PileLook((self._image(float(point_m[0]), float(point_m[1]), height_m),), heard)
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
         self.done.append(action)
