@@ -85,12 +85,14 @@ class PileArm:
     drop_m: FloatArray
     resting: Configuration
     _checker: MotionChecker = field(init=False, repr=False)
+    _dropping: Configuration | Failure = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Freeze the poses; ready the collision check."""
+        """Freeze the poses; ready the collision check; find the joints over the drop zone."""
         self.T_world_base = read_only(self.T_world_base, "PileArm.T_world_base", (4, 4))
         self.drop_m = read_only(self.drop_m, "PileArm.drop_m", (3,))
         self._checker = MotionChecker(self.ik.collisions)
+        self._dropping = self._posture(self._task(self._T_world_drop()))
 
     def look_at(self, point_m: FloatArray, height_m: float, start: Configuration) -> ArmMotion | Failure:
         """Bring the camera above a point, looking down.
@@ -132,7 +134,7 @@ class PileArm:
         way = move_straight(self.ik, replace(task, point_m=task.point_m + back_m), _end(above), -back_m)
         if isinstance(way, Failure):
             return way
-        away = self._reach(self._task(self._T_world_drop()), Configuration(way.path[0]))
+        away = self._go(self._task(self._T_world_drop()), self._dropping, Configuration(way.path[0]))
         if isinstance(away, Failure):
             return away
         down, up = (
@@ -141,8 +143,10 @@ class PileArm:
         return ArmMotion((above, down, up, replace(away, stage=RETREAT)), CLOSING_S, T)
 
     def _reach(self, task: GraspTask, start: Configuration) -> TimedPath | Failure:
-        """Move the joints from where they are to a task, straight or over the resting posture."""
-        goal = self._posture(task)
+        return self._go(task, self._posture(task), start)
+
+    def _go(self, task: GraspTask, goal: Configuration | Failure, start: Configuration) -> TimedPath | Failure:
+        """Move the joints from where they are to those of a task, straight or over the resting posture."""
         if isinstance(goal, Failure):
             return goal
         worst: MotionReport | None = None

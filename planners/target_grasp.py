@@ -8,13 +8,12 @@ from scipy import ndimage
 from planners.grasp_at_pixel import grasp_at_pixel
 from rfcompass.arrays import BoolArray, FloatArray
 from rfcompass.errors import NothingToGrasp
-from rfcompass.mapping import back_project
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
 
-# Ours. Below the first, a target is not worth a try while a neighbour can be taken; pixels so near to a failed grasp
-# are not tried again [m]; how far off a neighbour may be [pixel].
-_WORTH, _AGAIN_M, _BESIDE_PX = 0.15, 0.015, 6
+# Ours. Below the first, a target is not worth a try while a neighbour can be taken; pixels so near to a failed grasp,
+# seen from above, are not tried again [m]; how far off a neighbour may be [pixel].
+_WORTH, _AGAIN_M, _BESIDE_PX = 0.15, 0.02, 6
 
 
 def grasp_target(
@@ -73,19 +72,11 @@ def _tried(view: DepthView, failed_m: Sequence[FloatArray]) -> BoolArray:
     if failed_m:
         points_m = points_image(view)
         for point_m in failed_m:
-            tried |= np.nan_to_num(np.linalg.norm(points_m - point_m, axis=2), nan=np.inf) < _AGAIN_M
+            off_m = np.linalg.norm(points_m[..., :2] - point_m[:2], axis=-1)
+            tried |= np.nan_to_num(off_m, nan=np.inf) < _AGAIN_M
     return tried
 
 
-def _action(
-    view: DepthView, grasps: GraspMaps, pixel: tuple[int, int], label: int, quality: float
-) -> ExtractionAction:
+def _action(view: DepthView, grasps: GraspMaps, pixel: tuple[int, int], label: int, quality: float) -> ExtractionAction:
     T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *pixel)
     return ExtractionAction(label, T_world_hand, aperture_m, quality)
-
-
-def point_at(view: DepthView, pixel: tuple[int, int]) -> FloatArray:
-    """Point of the world that a pixel shows [m], shape (3,)."""
-    only = np.zeros(view.depth_m.shape, dtype=bool)
-    only[pixel] = True
-    return np.asarray(back_project(view, only)[0])

@@ -8,7 +8,7 @@ same protocol, so that nothing downstream can tell them apart.
                             └────Surveyor────────▶ TagFix
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Protocol, runtime_checkable
 
 from rfcompass.arrays import FloatArray
@@ -239,12 +239,13 @@ class PileRobot(Protocol):
         """Go round the table once with camera and antennas."""
         ...
 
-    def look(self, point_m: FloatArray, height_m: float) -> PileLook:
-        """Take an image from above a point, and hear tags on the way there.
+    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+        """Take an image from above a point, and listen to some tags on the way there.
 
         Args:
             point_m: Where to look, in the world [m], shape (3,).
             height_m: Height of the camera over the table [m]; as near to that as the arm can.
+            epcs: Tags to locate from what is heard.
 
         Raises:
             OutOfReach: If the arm cannot look there.

@@ -85,7 +85,7 @@ class MaskPolicy(Record, ABC):
         values = self.judged(scene)
         quality = scene.candidates.quality
         best = int(np.lexsort((np.arange(len(values)), -quality, -values))[0])
-        return take(scene, best, float(values[best]))
+        return take(scene, best, values)
 
     def scores(
         self,
@@ -129,12 +129,19 @@ def scene_of(
     return Scene(grid, view, masks, grasps, points_m, candidates, len(failed_m))
 
 
-def take(scene: Scene, chosen: int, score: float) -> ExtractionAction:
-    """Take a candidate by its best grasp; across its middle where it has none, as the paper takes it regardless."""
+def take(scene: Scene, chosen: int, values: FloatArray) -> ExtractionAction:
+    """Take a candidate by its best grasp; across its middle where it has none, as the paper takes it regardless.
+
+    Args:
+        scene: What there is.
+        chosen: Which candidate.
+        values: Value of each, -inf for those that were not to be had, shape (K,).
+    """
     candidates, view = scene.candidates, scene.view
     label, (row, column) = int(candidates.labels[chosen]), candidates.pixels[chosen]
     if candidates.quality[chosen] > 0:
         T_world_hand, aperture_m = grasp_at_pixel(view, scene.grasps, int(row), int(column))
     else:
         T_world_hand, aperture_m = grasp_across(view, pixels_of(scene.masks, label), scene.table_m)
-    return ExtractionAction(label, T_world_hand, aperture_m, score)
+    scores = {int(key): float(value) for key, value in zip(candidates.labels, values, strict=True) if value > -np.inf}
+    return ExtractionAction(label, T_world_hand, aperture_m, float(values[chosen]), scores)

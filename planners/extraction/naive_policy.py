@@ -59,7 +59,8 @@ class NaivePolicy(Record):
         good = quality > least
         if not good.any():
             nearest = masks.labels.ravel()[off_m.argmin()]
-            return take(scene, int(np.flatnonzero(scene.candidates.labels == nearest)[0]), 0.0)
+            labels = scene.candidates.labels
+            return take(scene, int(np.flatnonzero(labels == nearest)[0]), np.zeros(len(labels)))
         near = good & (off_m <= self.reach_m)
         best = np.where(near, quality, -1.0).argmax() if near.any() else np.where(good, off_m, np.inf).argmin()
         row, column = (int(i) for i in np.unravel_index(int(best), quality.shape))

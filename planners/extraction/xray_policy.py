@@ -10,6 +10,11 @@ from planners.extraction.scores import columns_by_label
 from rfcompass.arrays import FloatArray, read_only
 from rfcompass.errors import ShapeError
 from rfcompass.mapping.xray import xray_occupancy
+from rfcompass.types import DepthView
+
+# Ours: the distribution is smooth; a quarter of the pixels of a camera of 320 x 180 tells it as well, in a quarter of
+# the time.
+_EVERY = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,9 +39,17 @@ class XRayPolicy(MaskPolicy):
 
     def values(self, scene: Scene) -> FloatArray:
         """Share of the distribution within each candidate's mask, shape (K,)."""
-        image = xray_occupancy(scene.view, self.target_m, scene.table_m)
-        labels = scene.candidates.labels
-        return np.array([image[scene.masks.labels == label].sum() for label in labels])
+        coarse = scene.masks.labels[::_EVERY, ::_EVERY]
+        image = xray_occupancy(every_pixel(scene.view, _EVERY), self.target_m, scene.table_m)
+        return np.array([image[coarse == label].sum() for label in scene.candidates.labels])
+
+
+def every_pixel(view: DepthView, step: int) -> DepthView:
+    """The image of a camera that has only every so manieth row and column of another's pixels."""
+    K = np.array(view.intrinsics)
+    K[:2] /= step
+    colour = None if view.colour is None else view.colour[::step, ::step]
+    return DepthView(view.depth_m[::step, ::step], K, view.T_world_camera, colour)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

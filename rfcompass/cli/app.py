@@ -20,6 +20,7 @@ from rfcompass.cli.proximity import proximity
 from rfcompass.cli.reach import reach_command
 from rfcompass.cli.record import record_command
 from rfcompass.cli.robots import robots_app
+from rfcompass.cli.search import search_command
 from rfcompass.cli.study import study_app
 from rfcompass.cli.survey import survey_command
 from rfcompass.cli.view import view
@@ -33,6 +34,7 @@ app = typer.Typer(
     rich_markup_mode=None,  # brackets in a help text are brackets
 )
 app.command("fetch")(fetch)
+app.command("search")(search_command)
 app.command("locate")(locate)
 app.command("grasp")(grasp_command)
 app.command("survey")(survey_command)

@@ -20,6 +20,9 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.fusebot:FUSEBOT_LOCALISATION",
     "rfcompass.studies.pile_tags:PILE_TAGS",
     "rfcompass.studies.map_quality:MAP_QUALITY",
+    "rfcompass.studies.searches:SEARCHES",
+    "rfcompass.studies.search_figures:SEARCH_LEVELS",
+    "rfcompass.studies.search_figures:SEARCH_TAGS",
     "rfcompass.studies.grasp_trials:GRASP_TRIALS",
 )
 

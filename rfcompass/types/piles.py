@@ -1,12 +1,13 @@
 """Records of the pile search: views, masks, voxel maps and actions."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from rfcompass.arrays import FloatArray, IntArray, read_only
 from rfcompass.errors import ShapeError
-from rfcompass.types.record import Record
+from rfcompass.types.record import Record, frozen_mapping
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,13 +103,16 @@ class ExtractionAction(Record):
         T_world_hand: Hand pose at the grasp, homogeneous, shape (4, 4).
         aperture_m: Opening of the jaws [m].
         score: Score of the rule that chose it.
+        scores: Score of each object that could be chosen, by its label; empty where the rule compares no objects.
     """
 
     mask_label: int
     T_world_hand: FloatArray
     aperture_m: float
     score: float
+    scores: Mapping[int, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Freeze the pose."""
+        """Freeze the pose and the scores."""
+        object.__setattr__(self, "scores", frozen_mapping(self.scores))
         object.__setattr__(self, "T_world_hand", read_only(self.T_world_hand, "ExtractionAction.T_world_hand", (4, 4)))

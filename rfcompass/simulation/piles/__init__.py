@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from rfcompass.simulation.piles.families import family as family
     from rfcompass.simulation.piles.generation import PileTally as PileTally
     from rfcompass.simulation.piles.generation import make_pile as make_pile
+    from rfcompass.simulation.piles.gripper import ExecutedGrasp as ExecutedGrasp
+    from rfcompass.simulation.piles.gripper import PileHand as PileHand
+    from rfcompass.simulation.piles.gripper import grasp_item as grasp_item
     from rfcompass.simulation.piles.items import KINDS as KINDS
     from rfcompass.simulation.piles.items import PileItem as PileItem
     from rfcompass.simulation.piles.materials import DENSITY_KG_M3 as DENSITY_KG_M3
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from rfcompass.simulation.piles.scanning import PileRig as PileRig
     from rfcompass.simulation.piles.scanning import PileScan as PileScan
     from rfcompass.simulation.piles.scanning import TagCover as TagCover
+    from rfcompass.simulation.piles.scanning import hear_tags as hear_tags
     from rfcompass.simulation.piles.scanning import scan_pile as scan_pile
     from rfcompass.simulation.piles.scanning import tag_cover as tag_cover
     from rfcompass.simulation.piles.scene import FIRST_REPORT_SEED as FIRST_REPORT_SEED
@@ -80,6 +84,9 @@ _HOME = {
     "family": "families",
     "PileTally": "generation",
     "make_pile": "generation",
+    "ExecutedGrasp": "gripper",
+    "PileHand": "gripper",
+    "grasp_item": "gripper",
     "KINDS": "items",
     "PileItem": "items",
     "DENSITY_KG_M3": "materials",
@@ -91,6 +98,7 @@ _HOME = {
     "PileRig": "scanning",
     "PileScan": "scanning",
     "TagCover": "scanning",
+    "hear_tags": "scanning",
     "scan_pile": "scanning",
     "tag_cover": "scanning",
     "FIRST_REPORT_SEED": "scene",
@@ -123,9 +131,11 @@ __all__ = [
     "TARGET_RGB",
     "CameraModel",
     "DepthNoise",
+    "ExecutedGrasp",
     "ItemTag",
     "PileCamera",
     "PileFamily",
+    "PileHand",
     "PileItem",
     "PilePhysics",
     "PileRig",
@@ -148,6 +158,8 @@ __all__ = [
     "drawn_shapes",
     "family",
     "flat_state",
+    "grasp_item",
+    "hear_tags",
     "look_down",
     "make_pile",
     "open_pile",

@@ -56,6 +56,23 @@ class PilePhysics(Record):
             raise PileError("physics: timestep_s is 0", key="timestep_s", got=self.timestep_s)
 
 
+@dataclass(frozen=True, slots=True)
+class HandXml(Record):
+    """What a hand adds to the model of a pile, as MJCF; nothing by default.
+
+    Attributes:
+        bodies: Bodies under the world.
+        excluded: Pairs that never touch.
+        equalities: Couplings of joints, and what can be tied to the hand.
+        actuators: Its drives.
+    """
+
+    bodies: str = ""
+    excluded: str = ""
+    equalities: str = ""
+    actuators: str = ""
+
+
 @contextmanager
 def quiet_mujoco() -> Iterator[None]:
     """Keep MuJoCo from printing warnings, and from writing them to a file where one works; it still counts them."""
@@ -85,12 +102,13 @@ def load_mujoco() -> Any:  # noqa: ANN401 - an extra: the checks must not depend
     return mujoco
 
 
-def compile_pile(items: Sequence[PileItem], physics: PilePhysics) -> Any:  # noqa: ANN401 - see load_mujoco
+def compile_pile(items: Sequence[PileItem], physics: PilePhysics, hand: HandXml | None = None) -> Any:  # noqa: ANN401 - see load_mujoco
     """Compile a model of items on a table; the table is the plane z = 0 of the world frame, geom 0.
 
-    Bodies and geoms come in the order of the items, the panels of a cover from -x to +x; see `panel_order`.
+    Bodies and geoms come in the order of the items, the panels of a cover from -x to +x; see `panel_order`. Those of a
+    hand, if there is one, come after them.
     """
-    return load_mujoco().MjModel.from_xml_string(pile_xml(items, physics))
+    return load_mujoco().MjModel.from_xml_string(pile_xml(items, physics, hand))
 
 
 def panel_order(item: PileItem) -> tuple[int, ...]:
@@ -109,8 +127,9 @@ def joint_order(item: PileItem) -> tuple[int, ...]:
     return (*range(middle, PANELS - 1), *range(middle - 1, -1, -1))
 
 
-def pile_xml(items: Sequence[PileItem], physics: PilePhysics) -> str:
+def pile_xml(items: Sequence[PileItem], physics: PilePhysics, hand: HandXml | None = None) -> str:
     """Write the model as MJCF."""
+    hand = HandXml() if hand is None else hand
     contact = (
         f'friction="{physics.friction} {physics.torsion_m} {physics.rolling_m}" condim="6" '
         f'solref="{physics.contact_time_s} 1" solimp="0.95 0.99 0.0005"'
@@ -126,8 +145,9 @@ def pile_xml(items: Sequence[PileItem], physics: PilePhysics) -> str:
 <size memory="64M"/>
 <default><geom {contact}/><joint limited="true" {hinge}/></default>
 <worldbody><geom type="plane" size="1 1 0.1"/>
-{"".join(_body_xml(item) for item in items)}</worldbody>
-<contact>{"".join(_excluded_xml(item) for item in items)}</contact></mujoco>"""
+{"".join(_body_xml(item) for item in items)}{hand.bodies}</worldbody>
+<contact>{"".join(_excluded_xml(item) for item in items)}{hand.excluded}</contact>
+<equality>{hand.equalities}</equality><actuator>{hand.actuators}</actuator></mujoco>"""
 
 
 def _body_xml(item: PileItem) -> str:

@@ -115,11 +115,18 @@ def scan_pile(
         PileError: If no item on the table carries a tag.
         InputError: If the antenna goes through the table or the walls of the room.
     """
-    rig = PileRig() if rig is None else rig
     camera, views = PileCamera(world, rng), []
     for T in camera_poses:
         camera.move_to(T)
         views.append(camera.view())
+    return PileScan(tuple(views), hear_tags(world, tags, track, rng, rig))
+
+
+def hear_tags(
+    world: PileWorld, tags: TaggedItems, track: AntennaTrack, rng: np.random.Generator, rig: PileRig | None = None
+) -> Inventory:
+    """Take one inventory along a track of the receiving antenna; arguments and errors as for `scan_pile`."""
+    rig = PileRig() if rig is None else rig
     epcs, points_m, dipoles = tags.placed(world)
     if not epcs:
         raise PileError("nothing on the table carries a tag", key="tags", got=0)
@@ -129,8 +136,7 @@ def scan_pile(
     placed = PlacedTags.draw(epcs, points_m, dipoles, rig.tags, rng)
     went = track.perturbed(rng, jitter_m=rig.jitter_m)
     went = replace(went, positions_m=went.positions_m + _MIDDLE_M)
-    inventory = simulate_inventory(cluttered(world, T_room_world, rng), rig.rig, went, placed, rng, nominal_track=track)
-    return PileScan(tuple(views), inventory)
+    return simulate_inventory(cluttered(world, T_room_world, rng), rig.rig, went, placed, rng, nominal_track=track)
 
 
 def cluttered(world: PileWorld, T_room_world: FloatArray, rng: np.random.Generator) -> RadioScene:

@@ -3,7 +3,7 @@
 World frame: z up, the table is the plane z = 0.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,7 +81,19 @@ class PileWorld:
     @property
     def states(self) -> dict[int, FloatArray]:
         """State of each item by number, shape (7 + hinges,) each."""
-        return {item.number: self._gathered(item, self.data.qpos, ROOT) for item in self._items}
+        return self.states_in(self.data)
+
+    def states_in(self, data: Any) -> dict[int, FloatArray]:  # noqa: ANN401 - an object of MuJoCo
+        """State of each item by number in other data of the same items, perhaps with a hand after them."""
+        return {item.number: self._gathered(item, data.qpos, ROOT) for item in self._items}
+
+    def become(self, states: Mapping[int, FloatArray], without: Collection[int] = ()) -> None:
+        """Put every item into a new state, at rest, and take some away.
+
+        Raises:
+            PileError: If a state is missing or has a wrong shape.
+        """
+        self._fill(tuple(item for item in self._items if item.number not in without), states, {})
 
     @property
     def geom_numbers(self) -> IntArray:

@@ -1,0 +1,68 @@
+"""Your own grasp network in the place of ours, one that answers with images as GG-CNN does [Morrison2018]."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import ShapeError
+from rfcompass.mapping.camera import points_image
+from rfcompass.types import DepthView, GraspMaps
+
+
+@dataclass(frozen=True, kw_only=True)
+class NetworkGraspQuality:
+    """Let any function rate grasps in a depth image; a `GraspQuality`. For a camera that looks straight down.
+
+    Attributes:
+        network: Takes depth [m], NaN where nothing was seen, shape (H, W), a copy of its own; returns quality in
+            [0, 1], angle in which the jaws close, from the image's columns to its rows [rad], and width [pixel], of
+            shape (H, W) each.
+        depth_m: How far the tips go below the surface [m]; ours, the network does not say.
+        table_m: Height of the table in the world [m].
+        above_table_m: The tips stay so far above it [m].
+    """
+
+    network: Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+    depth_m: float = 0.03
+    table_m: float = 0.0
+    above_table_m: float = 0.004
+
+    def quality(self, view: DepthView) -> GraspMaps:
+        """Ask the network; angles are turned into the world, widths into metres at the depth of their pixel.
+
+        A pixel without depth has no grasp.
+
+        Raises:
+            ShapeError: If it does not answer with three images of the view's shape, or with something that is not
+                finite, or with a quality beyond [0, 1] or a width below 0.
+        """
+        shape = view.depth_m.shape
+        quality, angle, width = self._asked(view.depth_m.copy(), shape)
+        depth_m, K = view.depth_m, view.intrinsics
+        along = np.stack([np.cos(angle) / K[0, 0], np.sin(angle) / K[1, 1], np.zeros(shape)], axis=-1)
+        in_world = along @ view.T_world_camera[:3, :3].T
+        seen = np.isfinite(depth_m)
+        over_table_m = points_image(view)[..., 2] - self.table_m - self.above_table_m
+        return GraspMaps(
+            np.where(seen, quality, 0.0),
+            np.arctan2(in_world[..., 1], in_world[..., 0]),
+            np.where(seen, width * np.linalg.norm(along, axis=-1) * depth_m, 0.0),
+            np.where(seen, np.clip(over_table_m, 0.0, self.depth_m), 0.0),
+        )
+
+    def _asked(self, depth_m: FloatArray, shape: tuple[int, ...]) -> list[FloatArray]:
+        answer = self.network(depth_m)
+        if len(answer) != 3:
+            message = f"the network gave {len(answer)} images, not quality, angle and width"
+            raise ShapeError(message, name="answer", expected=3, got=len(answer))
+        images = [np.asarray(image, dtype=np.float64) for image in answer]
+        for name, image, greatest in zip(("quality", "angle", "width"), images, (1.0, np.inf, np.inf), strict=True):
+            if image.shape != shape:
+                message = f"the network gave {name} of shape {image.shape} for an image of {shape}"
+                raise ShapeError(message, name=name, expected=shape, got=image.shape)
+            least = -np.inf if name == "angle" else 0.0
+            if not (np.isfinite(image) & (image >= least) & (image <= greatest)).all():
+                raise ShapeError(f"the network's {name} is not finite, or out of its range", name=name)
+        return images

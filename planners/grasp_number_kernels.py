@@ -1,0 +1,303 @@
+"""Compiled: the numbers by which a two-finger grasp from straight above is judged, from heights about it.
+
+Heights are taken on five lines along the closing direction, 5 mm apart, as wide as a finger. With the tips at t, a
+depth below the point, the side of what is between the jaws is, on each line and to each side, where the height first
+falls to t. From that follow the numbers `CLOSING`, without unit, each of the order of 1. Where the surface is flat, the
+hand can press both tips on it and pinch, if it is cloth: `PINCHING`.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from rfcompass.arrays import FloatArray, IntArray
+
+CLOSING = (
+    "clearance",  # height of the tips over what is under the fingers, of 10 mm
+    "skew",  # larger angle of a side against the jaws, of the friction cone's
+    "contact",  # share of the finger's width that touches, of the side with less
+    "engaged",  # height of the side over the tips, of 20 mm, of the side with less
+    "steepness",  # fall of the side within 5 mm, of 10 mm, of the side with less
+    "width",  # of the opening
+    "off_centre",  # of the middle between the sides, of 10 mm
+    "offset",  # of the middle of the thing, across the jaws, of 40 mm
+    "pinned",  # share of directions in which something rises at the end of the surface
+    "palm",  # room under the palm, of 20 mm
+)
+PINCHING = (
+    "uneven",  # difference of heights under and between the tips, of 10 mm
+    "tilt",  # difference of what is highest under one tip and under the other, of 10 mm
+    "longest",  # longest chord of the surface, of 200 mm
+    "shortest",  # shortest chord, of 150 mm
+    "pinned",  # as above
+    "palm",  # as above
+)
+LINES, MIDDLE, _APART_M, _STEP_M, STEPS = 5, 2, 0.005, 0.0025, 25
+# A side begins where the height is so near to the tips; the least depth of a grasp [m].
+_SIDE_M, LEAST_M = 0.002, 0.006
+# A finger that would come to lie so far within what was seen is stopped for certain [m].
+_BURIED_M = -0.015
+# A rise or fall that ends a surface, over which way, how far it is followed [m, m, steps], and in how many directions.
+_JUMP_M, _RAY_M, _RAY_STEPS, RAYS = 0.008, 0.004, 30, 16
+# A pinch: jaws as for something so wide, tips so far below the surface, how uneven it may be [m]; the tips are
+# between these steps to either side.
+PINCH_WIDTH_M, PINCH_DEPTH_M, _UNEVEN_M, _PINCH_INNER, _PINCH_STEPS = 0.010, 0.006, 0.012, 6, 11
+_PALM_M = 0.02  # between places that are looked at under the palm
+
+
+class Grid(NamedTuple):
+    """A `HeightMap`: heights [m], middle of the first cell [m], cells per metre."""
+
+    heights: FloatArray
+    x: float
+    y: float
+    per_m: float
+
+
+class Claw(NamedTuple):
+    """The hand and the table [m], see `planners.grasp_quality.JawSizes`.
+
+    `palm` is its height over the tips, `cone` the friction cone's half angle [rad], `lowest` how low the tips may go,
+    in the world.
+    """
+
+    opening: float
+    room: float
+    thickness: float
+    palm: float
+    palm_across: float
+    palm_along: float
+    cone: float
+    lowest: float
+
+
+class Spot(NamedTuple):
+    """One place and angle.
+
+    The point [m], cosine and sine of the angle; heights to both sides [m], shape (2, lines, steps). Around it, shape
+    (5,): share of directions that end in a rise, longest and shortest chord, offset of the middle across the jaws,
+    highest thing under the palm [m]. And at which step each line falls to the tips, shape (2, lines).
+    """
+
+    point: FloatArray
+    cos: float
+    sin: float
+    profile: FloatArray
+    around: FloatArray
+    falls: IntArray
+
+
+@numba.njit(cache=True, inline="always")
+def _height(grid: Grid, x: float, y: float) -> float:
+    """Height over a point, infinite outside the map."""
+    i, j = (x - grid.x) * grid.per_m + 0.5, (y - grid.y) * grid.per_m + 0.5
+    if i < 0.0 or j < 0.0 or i >= grid.heights.shape[0] or j >= grid.heights.shape[1]:
+        return np.inf
+    return float(grid.heights[int(i), int(j)])
+
+
+@numba.njit(cache=True)
+def take_lines(grid: Grid, spot: Spot, first: int, last: int) -> None:
+    """Heights along lines `first` to `last` - 1, from the middle to both sides."""
+    for line in range(first, last):
+        t = (line - MIDDLE) * _APART_M
+        x, y = spot.point[0] - spot.sin * t, spot.point[1] + spot.cos * t
+        for side in range(2):
+            sign = 1.0 - 2.0 * side
+            dx, dy = sign * spot.cos * _STEP_M, sign * spot.sin * _STEP_M
+            for k in range(STEPS):
+                spot.profile[side, line, k] = _height(grid, x + dx * k, y + dy * k)
+
+
+@numba.njit(cache=True)
+def may_close(spot: Spot, claw: Claw, depths: FloatArray) -> bool:
+    """Whether at some depth the middle line falls to both sides within the hand, and it is in their middle."""
+    for wished in depths:
+        depth = min(wished, spot.point[2] - claw.lowest)
+        if depth >= LEAST_M and _is_between(spot, spot.point[2] - depth, claw):
+            return True
+    return False
+
+
+@numba.njit(cache=True)
+def _is_between(spot: Spot, tip: float, claw: Claw) -> bool:
+    """Whether the hand is in the middle of the sides on the middle line, as far as its room allows, and can go down."""
+    left = _fall_at(spot.profile, 0, MIDDLE, tip + _SIDE_M)
+    right = _fall_at(spot.profile, 1, MIDDLE, tip + _SIDE_M)
+    if min(left, right) < 1 or max(left, right) * _STEP_M > claw.opening / 2:
+        return False
+    if abs(left - right) * _STEP_M > claw.room:
+        return False
+    half = min((left + right - 1) * _STEP_M + claw.room, claw.opening) / 2
+    return tip - _under_fingers(spot.profile, half, claw.thickness, (MIDDLE, MIDDLE + 1)) > _BURIED_M
+
+
+@numba.njit(cache=True, inline="always")
+def _fall_at(profile: FloatArray, side: int, line: int, level: float) -> int:
+    """First step at which a line is below a level; the number of steps if it never is."""
+    for k in range(STEPS):
+        if profile[side, line, k] < level:
+            return k
+    return STEPS
+
+
+@numba.njit(cache=True)
+def closing_numbers(spot: Spot, depth: float, claw: Claw, numbers: FloatArray) -> float:
+    """Numbers `CLOSING` of a grasp.
+
+    Returns:
+        What the jaws close on [m]; -1 if it is wider than the hand, or out of its middle, or skew beyond the cone.
+    """
+    tip = spot.point[2] - depth
+    if not _is_between(spot, tip, claw):
+        return -1.0
+    for side in range(2):
+        for line in range(LINES):
+            spot.falls[side, line] = _fall_at(spot.profile, side, line, tip + _SIDE_M)
+    left, right = _reach(spot.falls, 0), _reach(spot.falls, 1)
+    width, skew = left + right, max(_skew(spot.falls, 0), _skew(spot.falls, 1))
+    half = min(width + claw.room, claw.opening) / 2
+    under = _under_fingers(spot.profile, half, claw.thickness, (0, LINES))
+    if max(left, right) > half or skew > claw.cone or tip - under <= _BURIED_M:
+        return -1.0
+    numbers[0], numbers[1] = min((tip - under) / 0.01, 1.0), skew / claw.cone
+    numbers[2] = min(_contact(spot.falls, 0, left), _contact(spot.falls, 1, right))
+    engaged_l, steep_l = _flank(spot, 0)
+    engaged_r, steep_r = _flank(spot, 1)
+    numbers[3] = min(engaged_l - tip, engaged_r - tip, 0.04) / 0.02
+    numbers[4] = min(steep_l, steep_r, 0.02) / 0.01
+    numbers[5], numbers[6] = width / claw.opening, abs(left - right) / 2 / 0.01
+    numbers[7], numbers[8] = min(abs(spot.around[3]) / 0.04, 1.5), spot.around[0]
+    numbers[9] = min(max((tip + claw.palm - spot.around[4]) / 0.02, -1.0), 1.0)
+    return float(width)
+
+
+@numba.njit(cache=True)
+def _reach(falls: IntArray, side: int) -> float:
+    """How far out a side is, where it is furthest [m]."""
+    furthest = 0
+    for line in range(LINES):
+        furthest = max(furthest, falls[side, line])
+    return (furthest - 0.5) * _STEP_M
+
+
+@numba.njit(cache=True)
+def _contact(falls: IntArray, side: int, reach: float) -> float:
+    """Share of the lines on which a side is within 5 mm of where it is furthest."""
+    touching = 0
+    for line in range(LINES):
+        touching += (falls[side, line] - 0.5) * _STEP_M > reach - _APART_M
+    return float(touching / LINES)
+
+
+@numba.njit(cache=True)
+def _skew(falls: IntArray, side: int) -> float:
+    """Angle of a side against the jaws [rad], between the last lines that it is on."""
+    first, last = MIDDLE, MIDDLE
+    while first > 0 and falls[side, first - 1] > 0:
+        first -= 1
+    while last < LINES - 1 and falls[side, last + 1] > 0:
+        last += 1
+    if last == first:
+        return 0.0
+    return float(abs(np.arctan((falls[side, last] - falls[side, first]) * _STEP_M / ((last - first) * _APART_M))))
+
+
+@numba.njit(cache=True)
+def _flank(spot: Spot, side: int) -> tuple[float, float]:
+    """Height of a side's rim, and how far it falls within 5 mm, on the middle line [m]."""
+    k = spot.falls[side, MIDDLE]
+    rim = spot.profile[side, MIDDLE, max(k - 2, 0)]
+    return max(rim, spot.profile[side, MIDDLE, k - 1]), rim - spot.profile[side, MIDDLE, k]
+
+
+@numba.njit(cache=True)
+def _under_fingers(profile: FloatArray, half: float, thickness: float, lines: tuple[int, int]) -> float:
+    """Highest thing where the fingers come down, half the opening to each side, on some lines."""
+    first = int(np.ceil(half / _STEP_M - 1e-6))
+    last = min(int(np.ceil((half + thickness) / _STEP_M - 1e-6)), STEPS - 1)
+    highest = -np.inf
+    for side in range(2):
+        for line in range(lines[0], lines[1]):
+            for k in range(first, last + 1):
+                highest = max(highest, profile[side, line, k])
+    return highest
+
+
+@numba.njit(cache=True)
+def is_even(spot: Spot, first: int, last: int) -> bool:
+    """Whether heights on lines under and between the tips differ little."""
+    return _unevenness(spot, first, last) < _UNEVEN_M
+
+
+@numba.njit(cache=True)
+def _unevenness(spot: Spot, first: int, last: int) -> float:
+    """Largest difference of heights on lines under and between the tips [m]."""
+    lowest, highest = np.inf, -np.inf
+    for side in range(2):
+        for line in range(first, last):
+            for k in range(_PINCH_STEPS + 1):
+                lowest, highest = min(lowest, spot.profile[side, line, k]), max(highest, spot.profile[side, line, k])
+    return highest - lowest
+
+
+@numba.njit(cache=True)
+def pinching_numbers(spot: Spot, claw: Claw, numbers: FloatArray) -> bool:
+    """Numbers `PINCHING`, the rest 0; False if the surface is not even enough."""
+    uneven = _unevenness(spot, 0, LINES)
+    if not uneven < _UNEVEN_M:
+        return False
+    numbers[:] = 0.0
+    numbers[0], numbers[1] = uneven / 0.01, _tilt(spot) / 0.01
+    numbers[2], numbers[3], numbers[4] = spot.around[1] / 0.2, spot.around[2] / 0.15, spot.around[0]
+    numbers[5] = min(max((spot.point[2] - PINCH_DEPTH_M + claw.palm - spot.around[4]) / 0.02, -1.0), 1.0)
+    return True
+
+
+@numba.njit(cache=True)
+def _tilt(spot: Spot) -> float:
+    """How much later one tip touches than the other [m]."""
+    tops = np.full(2, -np.inf)
+    for side in range(2):
+        for line in range(LINES):
+            for k in range(_PINCH_INNER, _PINCH_STEPS + 1):
+                tops[side] = max(tops[side], spot.profile[side, line, k])
+    return float(abs(tops[0] - tops[1]))
+
+
+@numba.njit(cache=True)
+def follow_surface(grid: Grid, point: FloatArray, rays: FloatArray) -> None:
+    """How far the surface goes in each direction [m], and 1 where something rises at its end, shape (2, 16)."""
+    for n in range(RAYS):
+        angle = 2 * np.pi * n / RAYS
+        dx, dy, here = _RAY_M * np.cos(angle), _RAY_M * np.sin(angle), point[2]
+        rays[0, n], rays[1, n] = _RAY_STEPS * _RAY_M, 0.0
+        for k in range(1, _RAY_STEPS + 1):
+            height = _height(grid, point[0] + dx * k, point[1] + dy * k)
+            if abs(height - here) > _JUMP_M:
+                rays[0, n], rays[1, n] = (k - 0.5) * _RAY_M, 1.0 if height > here else 0.0
+                break
+            here = height
+
+
+@numba.njit(cache=True)
+def look_around(grid: Grid, spot: Spot, rays: FloatArray, claw: Claw) -> None:
+    """Sum up the directions; the offset is that across the jaws. And what is highest under the palm."""
+    around, half = spot.around, RAYS // 2
+    around[0], around[1], around[2], around[4] = 0.0, 0.0, np.inf, -np.inf
+    for n in range(half):
+        chord = rays[0, n] + rays[0, n + half]
+        around[1], around[2] = max(around[1], chord), min(around[2], chord)
+        around[0] += (rays[1, n] + rays[1, n + half]) / RAYS
+    turn = np.arctan2(spot.sin, spot.cos) + np.pi / 2
+    across = int(np.round(turn / (2 * np.pi / RAYS))) % RAYS
+    around[3] = (rays[0, across] - rays[0, (across + half) % RAYS]) / 2
+    long, wide = int(claw.palm_along / _PALM_M + 0.5), int(claw.palm_across / _PALM_M + 0.5)
+    for i in range(-long, long + 1):
+        for j in range(-wide, wide + 1):
+            along, across_m = i * _PALM_M, j * _PALM_M
+            x = spot.point[0] + spot.cos * along - spot.sin * across_m
+            height = _height(grid, x, spot.point[1] + spot.sin * along + spot.cos * across_m)
+            if height < np.inf:  # what nobody saw is not taken for high: the palm is far up
+                around[4] = max(around[4], height)

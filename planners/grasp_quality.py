@@ -1,0 +1,143 @@
+"""Grasps for each pixel of a depth image, from straight above: antipodal closings, and pinches of cloth.
+
+After the image-to-image form of [Morrison2018]; in the place of its network stand geometry and the measured success of
+executed grasps, see `docs/grasp_quality.md`.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from planners.grasp_map_kernels import Found, Tries, rate_pixels
+from planners.grasp_number_kernels import CLOSING, Claw, Grid
+from planners.grasp_success import CLOSING_WEIGHTS, PINCHING_WEIGHTS, success_of
+from planners.height_map import height_map
+from rfcompass.arrays import BoolArray, FloatArray, IntArray
+from rfcompass.errors import InputError
+from rfcompass.mapping.camera import points_image
+from rfcompass.types import DepthView, GraspMaps
+from rfcompass.types.record import Record
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JawSizes(Record):
+    """Sizes of the hand of `urdf/ur5e_2f85.urdf` that count for a grasp from above [m].
+
+    Attributes:
+        opening_m: Furthest that the jaws open.
+        room_m: How much further they open than what they close on, as `grasp_at_pixel` opens them.
+        thickness_m: Of a finger, along the closing.
+        palm_m: Height of the palm over the tips.
+        palm_across_m: Half the palm's edge across the closing.
+        palm_along_m: Half its edge along it.
+        above_table_m: The tips stay so far above the table; ours.
+    """
+
+    opening_m: float = 0.085
+    room_m: float = 0.020
+    thickness_m: float = 0.012
+    palm_m: float = 0.058
+    palm_across_m: float = 0.020
+    palm_along_m: float = 0.060
+    above_table_m: float = 0.004
+
+    def __post_init__(self) -> None:
+        """Check that all are lengths."""
+        for name in self.__slots__:
+            if not (np.isfinite(value := getattr(self, name)) and value > 0):
+                raise InputError(f"jaw sizes: {name} is {value!r}, no length", got=value)
+
+
+@dataclass(frozen=True, slots=True)
+class GraspEvidence(Record):
+    """What the qualities of a view come from, for those who fit and who doubt.
+
+    Attributes:
+        log_odds: Weighted sum of the numbers, minus infinity where there is no grasp, shape (H, W).
+        angle_rad: As in `GraspMaps`.
+        width_m: As in `GraspMaps`.
+        depth_m: As in `GraspMaps`.
+        kind: 0 none, 1 the jaws close on two sides, 2 they pinch, shape (H, W).
+        numbers: Those of `grasp_number_kernels.CLOSING` or `PINCHING`, then zeros, shape (H, W, 10).
+    """
+
+    log_odds: FloatArray
+    angle_rad: FloatArray
+    width_m: FloatArray
+    depth_m: FloatArray
+    kind: IntArray
+    numbers: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class AntipodalQuality:
+    """Scores the best grasp at each pixel; a `GraspQuality`.
+
+    Attributes:
+        jaws: The hand.
+        table_m: Height of the table in the world [m].
+        standing_m: What is lower than this over the table is table [m]; ours.
+        friction: Between finger and thing [Mahler2017]; a side that is more skew than its cone is not gripped.
+        angles: Number of directions of the jaws; ours.
+        depths_m: How far the tips go below the surface; ours [m].
+        cell_m: Edge of a cell of the height map; ours [m].
+        closing: Weights of the numbers of a closing, the constant last, shape (11,).
+        pinching: Weights of the numbers of a pinch, the constant last, shape (7,).
+    """
+
+    jaws: JawSizes = field(default_factory=JawSizes)
+    table_m: float = 0.0
+    standing_m: float = 0.008
+    friction: float = 0.6
+    angles: int = 8
+    depths_m: tuple[float, ...] = (0.010, 0.020, 0.030, 0.040)
+    cell_m: float = 0.0025
+    closing: tuple[float, ...] = CLOSING_WEIGHTS
+    pinching: tuple[float, ...] = PINCHING_WEIGHTS
+
+    def quality(self, view: DepthView) -> GraspMaps:
+        """Say how likely the best grasp at each pixel holds, and how the jaws would stand."""
+        seen = self.evidence(view)
+        return GraspMaps(success_of(seen.log_odds, seen.kind), seen.angle_rad, seen.width_m, seen.depth_m)
+
+    def evidence(
+        self, view: DepthView, pixels: BoolArray | None = None, angles_rad: FloatArray | None = None
+    ) -> GraspEvidence:
+        """Find the best grasp at each pixel, with what speaks for it.
+
+        Args:
+            view: A depth image.
+            pixels: Where to look, shape (H, W); everywhere above the table if None.
+            angles_rad: Directions to try; `angles` even ones over half a turn if None.
+        """
+        shape, points_m = view.depth_m.shape, points_image(view)
+        with np.errstate(invalid="ignore"):
+            standing = points_m[..., 2] > self.table_m + self.standing_m
+        found = Found(
+            np.full(shape, -np.inf),
+            np.zeros(shape),
+            np.zeros(shape),
+            np.zeros(shape),
+            np.zeros(shape, np.int64),
+            np.zeros((*shape, len(CLOSING))),
+        )
+        heights = height_map(view, standing, self.cell_m)
+        if heights is not None:
+            angles = np.arange(self.angles) * np.pi / self.angles if angles_rad is None else np.asarray(angles_rad)
+            tries = Tries(angles, np.array(self.depths_m), np.array(self.closing), np.array(self.pinching))
+            grid = Grid(heights.heights_m, float(heights.corner_m[0]), float(heights.corner_m[1]), 1 / heights.cell_m)
+            rate_pixels(points_m, standing if pixels is None else standing & pixels, grid, self._claw(), tries, found)
+        return GraspEvidence(*found)
+
+    def _claw(self) -> Claw:
+        jaws = self.jaws
+        return Claw(
+            jaws.opening_m,
+            jaws.room_m,
+            jaws.thickness_m,
+            jaws.palm_m,
+            jaws.palm_across_m,
+            jaws.palm_along_m,
+            float(np.arctan(self.friction)),
+            self.table_m + jaws.above_table_m,
+        )

@@ -1,0 +1,248 @@
+"""The whole search in a pile: look, believe, take, look again, until the target is in the drop zone [Boroushaki2023].
+
+The paper's Algorithm 1 is lost; this is rebuilt from its section 5:
+
+1. Go round the table with camera and antennas; map what no view looked into; locate the tags.
+2. If the target is in sight, grasp it; else
+3. compute where it may be, take the cluster with the highest mean, and move above it;
+4. find the objects there and the grasps, let the policy choose, grasp, and carry away what is held;
+5. look again at 10 cm about the grasp, and listen again to the tags that are near it.
+6. Go on at 2, until the target is in the drop zone, after 15 actions, or after 5 failed grasps in a row.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from planners.extraction import best_cluster
+from planners.search_method import NEAR_M, OVERHEAD, SearchMethod
+from planners.target_grasp import grasp_target
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import InputError, NothingHidden, NothingToGrasp, OutOfReach
+from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
+from rfcompass.mapping import RED, ColourRule, VisualMap, find_visible_target, map_views
+from rfcompass.types import (
+    DepthView,
+    ExtractionAction,
+    InstanceMasks,
+    ItemSize,
+    PileLook,
+    SearchResult,
+    SearchStep,
+    TagFix,
+    VoxelGrid,
+    Workspace,
+)
+from rfcompass.types.epc import canonical_epc
+from rfcompass.types.record import Record
+from rfcompass.types.search import (
+    FOUND,
+    NOTHING_HIDDEN,
+    NOTHING_TO_GRASP,
+    OUT_OF_REACH,
+    TOO_MANY_ACTIONS,
+    TOO_MANY_FAILURES,
+)
+
+# Ours: a tag so near to a grasp may have moved, and is taken from where it is heard next [m].
+_MOVED_M = 0.15
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchRules(Record):
+    """When a search ends.
+
+    Attributes:
+        most_actions: Actions, the paper's.
+        most_failures: Failed grasps in a row, the paper's.
+        extra_scans: Scans more, while a tag that is known of is not located confidently; ours.
+        target_colour: Which pixels are the target's.
+    """
+
+    most_actions: int = 15
+    most_failures: int = 5
+    extra_scans: int = 1
+    target_colour: ColourRule = RED
+
+    def __post_init__(self) -> None:
+        """Check that a search can begin."""
+        if self.most_actions < 1 or self.most_failures < 1 or self.extra_scans < 0:
+            raise InputError(f"{self}: out of range", got=[self.most_actions, self.most_failures, self.extra_scans])
+
+
+@dataclass(eq=False, kw_only=True)
+class PileSearch:
+    """One search. It has a memory: begin another for another pile.
+
+    Args:
+        robot: The arm.
+        method: How to search.
+        target: What is sought: its edges.
+        sizes: What the database says about tagged items.
+        workspace: What is mapped.
+        segmenter: Tells objects apart.
+        quality: Scores grasps.
+        rules: When to end.
+    """
+
+    robot: PileRobot
+    method: SearchMethod
+    target: ItemSize
+    workspace: Workspace
+    segmenter: Segmenter
+    quality: GraspQuality
+    sizes: Sequence[ItemSize] = ()
+    rules: SearchRules = field(default_factory=SearchRules)
+    _seen: VisualMap = field(init=False, repr=False)
+    _fixes: dict[str, TagFix] = field(init=False, repr=False, default_factory=dict)
+    _failed_m: list[FloatArray] = field(init=False, repr=False, default_factory=list)
+    _failures: int = field(init=False, repr=False, default=0)
+    _done: list[SearchStep] = field(init=False, repr=False, default_factory=list)
+    _located: int = field(init=False, repr=False, default=0)
+    _in_sight: PileLook | None = field(init=False, repr=False, default=None)
+
+    def run(self) -> SearchResult:
+        """Search to the end, whatever that is."""
+        try:
+            for step in self.steps():
+                if step.attempt.success and step.attempt.shows_target:
+                    return self._ended(FOUND, f"the target is in the drop zone after {len(self._done)} actions")
+        except NothingHidden as nothing:
+            return self._ended(NOTHING_HIDDEN, str(nothing))
+        except NothingToGrasp as nothing:
+            return self._ended(NOTHING_TO_GRASP, str(nothing))
+        except OutOfReach as reason:
+            return self._ended(OUT_OF_REACH, str(reason))
+        if self._failures >= self.rules.most_failures:
+            return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
+        return self._ended(TOO_MANY_ACTIONS, f"the target was not found in {len(self._done)} actions")
+
+    def steps(self) -> Iterator[SearchStep]:
+        """Scan, then act until a stop rule; yields each action once it is over, for whoever watches.
+
+        Raises:
+            NothingHidden: If nothing is hidden and no target in sight.
+            NothingToGrasp: If there is nothing left that could be taken.
+            OutOfReach: If the arm cannot look where it should.
+        """
+        self._scan()
+        while len(self._done) < self.rules.most_actions and self._failures < self.rules.most_failures:
+            step = self._target_step() or self._removal_step()
+            self._done.append(step)
+            self._after(step)
+            yield step
+            if step.attempt.shows_target:
+                return
+
+    def _scan(self) -> None:
+        look = self.robot.scan()
+        self._seen = map_views(self.workspace, look.views)
+        self._in_sight = look
+        self._hear(look.fixes)
+        known = {canonical_epc(size.epc) for size in self.sizes if size.epc is not None}
+        for _ in range(self.rules.extra_scans if known else 0):
+            if all(epc in self._fixes and self._fixes[epc].confident for epc in known):
+                break
+            self._hear(self.robot.scan().fixes)
+        self._located = sum(fix.confident for fix in self._fixes.values())
+
+    def _hear(self, fixes: Sequence[TagFix]) -> None:
+        """Keep the best fix of each tag: a confident one is not lost to one that is not."""
+        for fix in fixes:
+            epc = canonical_epc(fix.epc)
+            if fix.confident or epc not in self._fixes:
+                self._fixes[epc] = fix
+
+    def _target_step(self) -> SearchStep | None:
+        """Grasp the target if the last look shows it."""
+        if (middle_m := self._target_in_sight()) is None:
+            return None
+        view = self.robot.look(middle_m, NEAR_M).views[0]
+        again = find_visible_target(view, self.rules.target_colour)
+        if again is None or not np.isfinite(view.depth_m[again.pixels]).any():
+            return None
+        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
+        action, on_target = grasp_target(view, again.pixels, masks, grasps, self._failed_m)
+        return self._act(view, masks, None, action, on_target=on_target)
+
+    def _removal_step(self) -> SearchStep:
+        """Take off what the policy chooses."""
+        grid = self._believed()
+        view = self._view_of(grid)
+        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
+        failed = self._failed_m if self.method.remembers else ()
+        action = self.method.policy.choose(grid, view, masks, grasps, failed)
+        return self._act(view, masks, grid, action, on_target=False)
+
+    def _believed(self) -> VoxelGrid:
+        belief = self.method.belief
+        if belief is None:
+            grid = self._seen.uncertainty()
+        else:
+            grid = belief.believe(self._seen, self.target, self._fixes, self.sizes)
+        if not grid.values.max() > 0:
+            voxels = int(self._seen.covered.sum())
+            raise NothingHidden("no place is left where the target could be", voxels=voxels)
+        return grid
+
+    def _view_of(self, grid: VoxelGrid) -> DepthView:
+        """The image in which the next grasp is chosen."""
+        if self.method.looks == OVERHEAD:
+            middle_m = (self.workspace.lower_m + self.workspace.upper_m) / 2
+        else:
+            middle_m = best_cluster(grid).point_m
+        return self.robot.look(middle_m, self.method.look_height_m).views[0]
+
+    def _act(
+        self,
+        view: DepthView,
+        masks: InstanceMasks,
+        grid: VoxelGrid | None,
+        action: ExtractionAction,
+        *,
+        on_target: bool,
+    ) -> SearchStep:
+        hidden_m3 = self._seen.unobserved_m3
+        attempt = self.robot.grasp(action)
+        return SearchStep(view, masks, grid, action, on_target, attempt, hidden_m3, self.robot.elapsed_s)
+
+    def _after(self, step: SearchStep) -> None:
+        """Remember what failed, forget tags that are gone, look again at where the hand was."""
+        point_m = step.action.T_world_hand[:3, 3]
+        if step.attempt.success:
+            self._failures = 0
+            self._failed_m.clear()
+            for epc in step.attempt.epcs:
+                self._fixes.pop(canonical_epc(epc), None)
+        else:
+            self._failures += 1
+            self._failed_m.append(point_m)
+        if step.attempt.shows_target:
+            return
+        near = [epc for epc, fix in self._fixes.items() if np.linalg.norm(fix.point_m - point_m) < _MOVED_M]
+        look = self.robot.look(point_m, NEAR_M, near)
+        self._seen = _refreshed(self._seen, look.views, point_m, self.method.update_edge_m)
+        self._in_sight = look
+        self._hear(look.fixes)
+
+    def _target_in_sight(self) -> FloatArray | None:
+        """Middle of the target's pixels in the last look that shows it, in the world [m], shape (3,)."""
+        for view in () if self._in_sight is None else self._in_sight.views:
+            found = find_visible_target(view, self.rules.target_colour)
+            if found is not None and len(found.points_m):
+                return np.asarray(np.median(found.points_m, axis=0))
+        return None
+
+    def _ended(self, outcome: str, message: str) -> SearchResult:
+        return SearchResult(
+            outcome, message, tuple(self._done), self.robot.elapsed_s, self._seen.unobserved_m3, self._located
+        )
+
+
+def _refreshed(seen: VisualMap, views: Sequence[DepthView], point_m: FloatArray, edge_m: float) -> VisualMap:
+    """The map with a cube looked at again; as it was if the hand was beside all that is mapped."""
+    try:
+        return seen.refreshed(views, point_m, edge_m)
+    except InputError:
+        return seen

@@ -1,0 +1,90 @@
+"""The folder of a search in a pile.
+
+search.json     what was asked, and the answer: how it ended, every action
+events.jsonl    every action as it happened, one line each
+*.json          the pile that was simulated, if it was
+*.html *.png    pictures: the film with a slider for the time, the report with every decision
+"""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rfcompass.errors import TraceError
+from rfcompass.files import atomic_folder
+from rfcompass.recordings.run_folder import EVENTS_FILE
+
+SEARCH_FILE, FILM_FILE, REPORT_FILE, PILE_FILE = "search.json", "view.html", "report.html", "pile.json"
+SEARCH_SCHEMA = "rfcompass-search/1"
+_KNOWN = (SEARCH_FILE, EVENTS_FILE, FILM_FILE, REPORT_FILE, PILE_FILE)
+
+
+@dataclass(frozen=True, slots=True)
+class StoredSearch:
+    """What goes into the folder of a search. JSON values hold no arrays and no NaN.
+
+    Attributes:
+        asked: What was asked for: command, options, seed, versions.
+        answer: How it ended.
+        events: Every action, in order.
+        files: Writers of further files, by name; each gets the path to write.
+    """
+
+    asked: Mapping[str, Any]
+    answer: Mapping[str, Any]
+    events: Sequence[Mapping[str, Any]]
+    files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict)
+
+
+def write_search(search: StoredSearch, path: str | Path, *, overwrite: bool = False) -> None:
+    """Write the folder of a search, all of it or nothing.
+
+    Args:
+        search: What to write.
+        path: Folder to create.
+        overwrite: Replace a search that is already there. Anything else that is there is never replaced.
+
+    Raises:
+        TraceError: If something is there that must not be replaced, or the disk refuses; carries `path`.
+    """
+    target = Path(path).resolve()
+    check_search_target(target, overwrite=overwrite)
+    try:
+        with atomic_folder(target) as folder:
+            told = {"schema": SEARCH_SCHEMA, "asked": dict(search.asked), **search.answer}
+            (folder / SEARCH_FILE).write_text(json.dumps(told, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            lines = [json.dumps(event, allow_nan=False) + "\n" for event in search.events]
+            (folder / EVENTS_FILE).write_text("".join(lines), encoding="utf-8")
+            for name, write in search.files.items():
+                write(folder / name)
+    except OSError as cause:
+        raise TraceError(f"{target}: cannot be written: {cause}", path=str(target)) from cause
+
+
+def is_search(path: Path) -> bool:
+    """True if a folder holds a search: a `search.json` of our schema, and nothing that a search does not leave."""
+    if not (path / SEARCH_FILE).is_file():
+        return False
+    if any(entry.name not in _KNOWN and entry.suffix != ".png" for entry in path.iterdir()):
+        return False
+    try:
+        described = json.loads((path / SEARCH_FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(described, dict) and described.get("schema") == SEARCH_SCHEMA
+
+
+def check_search_target(path: str | Path, *, overwrite: bool) -> None:
+    """Accept a place for a search: nothing there, an empty folder, or a search that may be replaced.
+
+    Raises:
+        TraceError: If something is there that must not be replaced; carries `path`.
+    """
+    target = Path(path)
+    if not target.exists() or (target.is_dir() and (not any(target.iterdir()) or (overwrite and is_search(target)))):
+        return
+    there = target.is_dir() and is_search(target)
+    what = "a search; overwriting was not asked for" if there else "something else than a search"
+    raise TraceError(f"{target}: holds {what}", path=str(target))

@@ -1,0 +1,369 @@
+"""A two-finger hand that goes straight down into a pile, closes, and lifts: executed grasps.
+
+The hand is that of `urdf/ur5e_2f85.urdf`: a body and two fingers that slide, coupled as a 2F-85's are. It hangs on one
+vertical slide with a servo, so that what it meets on its way down pushes back. Tool frame: y is the closing axis, z the
+approach; the tips are 13 mm beyond its origin.
+
+Cloth is not gripped at its sides but pinched. Covers are stiff plates here, so that pinching is a stated surrogate: if
+one tip presses on a cover, and the other does too or has it close below (cloth would give way under the first), or if
+both jaws touch it while they close, then it is tied to the hand there, until more than a limit pulls at it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import PileError, PileUnsettled
+from rfcompass.simulation.piles.engine import HandXml, compile_pile, load_mujoco, quiet_mujoco
+from rfcompass.simulation.piles.items import PANELS
+from rfcompass.simulation.piles.world import PileWorld
+from rfcompass.types.record import Record
+from rfcompass.types.search import BLOCKED, HELD, MISSED, SLIPPED
+
+# Tool frame [m]: half sizes and middles of the hand's boxes along x (across), y (closing) and z (approach), as in the
+# URDF; the fingers at their closed place.
+_BODY = (("box", (0.02, 0.06, 0.0225), (0.0, 0.0, -0.0675)), ("cylinder", (0.0375, 0.03), (0.0, 0.0, -0.12)))
+_FINGER_HALF_M, _FINGER_Z_M = (0.011, 0.006, 0.029), -0.016
+TIP_M = 0.013
+# A hand nearer than this to closed has nothing between its jaws [m].
+_CLOSED_M = 0.002
+# Servo of the slide and of each finger.
+_SLIDE_N_M, _SLIDE_N_S_M, _FINGER_N_M, _FINGER_N_S_M = 20_000.0, 400.0, 8_000.0, 250.0
+# Contacts of the pads are five times as quick as those between items: light things would sink centimetres into pads
+# that press with 40 N. For that, time passes in steps half as long as the pile's.
+_PAD_S, _FINER = 0.004, (2, 4, 8)
+# The descent begins so far above the highest thing so near to the hand's axis.
+_ABOVE_M, _AROUND_M = 0.02, 0.09
+# What is further from the hand's axis than this, and does not hang together with anything nearer, stays at rest.
+_NEAR_M = 0.15
+_RETREAT_M = 0.02  # of a hand that was blocked
+_CLOSING = 5  # looks at the jaws, 0.05 s apart, before they count as closed
+_INSIDE_M = 0.001  # rays start so far inside a tip, which they do not see
+_HAND_GROUP = 3  # of geoms; items are in 0
+_SETTLE_S = 2.0  # what still creeps then is stopped, as every pile is before it is looked at
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PileHand(Record):
+    """The hand's numbers, all ours but the opening.
+
+    Attributes:
+        opening_m: Furthest that the jaws open, the 2F-85's [m].
+        grip_n: Force of each jaw [N]; a 2F-85 has 20 to 235.
+        friction: Coefficient between jaw and item; of the pair the larger one counts.
+        blocked_n: Vertical force at which the hand stops going down [N].
+        pinch_n: Vertical force at which a tip has a cover [N].
+        cloth_gives_m: How far cloth gives way under one tip, so that the other reaches it too [m].
+        pinch_holds_n: Pull at which a pinched cover is lost [N].
+        speed_m_s: Of going down and up [m/s].
+        lift_m: How high it is lifted [m].
+    """
+
+    opening_m: float = 0.085
+    grip_n: float = 40.0
+    friction: float = 0.8
+    blocked_n: float = 25.0
+    pinch_n: float = 2.0
+    cloth_gives_m: float = 0.03
+    pinch_holds_n: float = 15.0
+    speed_m_s: float = 0.2
+    lift_m: float = 0.12
+
+    def __post_init__(self) -> None:
+        """Check that every number is above 0; friction may be 0."""
+        for name in self.__slots__:
+            value = getattr(self, name)
+            if not (np.isfinite(value) and (value > 0 or (name == "friction" and value == 0))):
+                raise PileError(f"hand: {name} is {value!r}", key=name, got=value)
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutedGrasp(Record):
+    """What came of a grasp: truth.
+
+    Attributes:
+        outcome: `held`, `slipped`, `missed` or `blocked`, as in `GraspAttempt`.
+        taken: Numbers of the items in the hand at the end, which are no longer on the table.
+        gap_m: Distance of the jaws when they had closed [m].
+        force_n: Largest vertical force on the way down [N].
+        pinched: Whether a cover was pinched.
+    """
+
+    outcome: str
+    taken: tuple[int, ...]
+    gap_m: float
+    force_n: float
+    pinched: bool
+
+
+def grasp_item(
+    world: PileWorld, T_world_hand: FloatArray, aperture_m: float, hand: PileHand | None = None
+) -> ExecutedGrasp:
+    """Grasp straight down, lift, and carry away; everything else moves as it must and comes to rest.
+
+    Args:
+        world: The pile; changed.
+        T_world_hand: Tool frame at the grasp, its z downwards, homogeneous, shape (4, 4).
+        aperture_m: Opening of the jaws on the way down [m].
+        hand: The hand's numbers.
+
+    Raises:
+        PileError: If the tool does not point straight down, or the opening is not one of the hand.
+        PileUnsettled: If the simulation blew up, in finer steps too; the pile is then as it was.
+    """
+    hand = PileHand() if hand is None else hand
+    T = np.asarray(T_world_hand, dtype=np.float64)
+    if T.shape != (4, 4) or not np.isfinite(T).all() or T[2, 2] > -0.9999:
+        raise PileError("the tool does not point straight down", key="T_world_hand", got=T.tolist())
+    if not 0 < aperture_m <= hand.opening_m + 1e-9:
+        message = f"jaws {aperture_m} m apart: they open to {hand.opening_m} m"
+        raise PileError(message, key="aperture_m", got=aperture_m)
+    near = _about(world, T[:2, 3])
+    for finer in _FINER:
+        run = _Run(near, T, aperture_m, hand, finer)
+        done = run.grasp()
+        if done is not None:
+            near.become(run.states, without=done.taken)
+            near.settle(_SETTLE_S)
+            world.become({**world.states, **near.states}, without=done.taken)
+            if _meet(world, near):
+                world.settle(_SETTLE_S)
+            return done
+    raise PileUnsettled("the simulation of a grasp blew up", simulated_s=run.passed_s, creep_m=float("inf"))
+
+
+class _Run:
+    """One grasp in a copy of the pile."""
+
+    def __init__(self, world: PileWorld, T: FloatArray, aperture_m: float, hand: PileHand, finer: int) -> None:
+        self._world, self._hand, self._engine = world, hand, load_mujoco()
+        self._covers = [(item.number, panel) for item in world.items if item.kind == "cover" for panel in range(PANELS)]
+        start_m = max(_top_about(world, T[:2, 3]) + TIP_M + _ABOVE_M, float(T[2, 3]))
+        self._down_m = start_m - float(T[2, 3])
+        xml = hand_xml(T, start_m, hand, self._covers)
+        self.model = compile_pile(world.items, world.physics, xml)
+        self.data = self._engine.MjData(self.model)
+        states = world.data.qpos
+        self.data.qpos[: len(states)] = states
+        self.data.qpos[-2:] = aperture_m / 2
+        self.model.opt.timestep = world.physics.timestep_s / finer
+        first = len(world.geom_numbers)
+        self._left, self._right = first + len(_BODY), first + len(_BODY) + 1
+        self._dof = self.model.nv - 3
+        self.data.ctrl[:] = 0.0, aperture_m / 2, aperture_m / 2
+        self.passed_s, self.force_n, self._tied = 0.0, 0.0, False
+        self._engine.mj_forward(self.model, self.data)
+
+    @property
+    def states(self) -> dict[int, FloatArray]:
+        """Where everything is now."""
+        return self._world.states_in(self.data)
+
+    def grasp(self) -> ExecutedGrasp | None:
+        """Go down, close, lift; None if the simulation blew up."""
+        with quiet_mujoco():
+            reached = self._descend()
+            if not reached:
+                self._go(_RETREAT_M)
+                return self._sane(ExecutedGrasp(BLOCKED, (), self._gap_m(), self.force_n, False))
+            if not self._tied:
+                self._close()
+            had, gap_m, before_m = self._between(0.05), self._gap_m(), self._heights_m()
+            self._go(self._hand.lift_m)
+            held = {n for n in self._between(0.2) if self._heights_m()[n] - before_m[n] > self._hand.lift_m / 2}
+        outcome = HELD if held else (SLIPPED if had else MISSED)
+        return self._sane(ExecutedGrasp(outcome, tuple(sorted(held)), gap_m, self.force_n, self._tied))
+
+    def _sane(self, done: ExecutedGrasp) -> ExecutedGrasp | None:
+        warned = sum(int(self.data.warning[kind].number) for kind in range(len(self.data.warning)))
+        return None if warned or not np.isfinite(self.data.qpos).all() else done
+
+    def _descend(self) -> bool:
+        """Go down to the grasp; stop where a cover is pinched, or something is in the way."""
+        target_m = 0.0
+        while target_m > -self._down_m:
+            target_m = max(-self._down_m, target_m - self._hand.speed_m_s * self.model.opt.timestep)
+            self._step(target_m)
+            up_n = float(self.data.qfrc_constraint[self._dof])
+            self.force_n = max(self.force_n, up_n)
+            if up_n > self._hand.pinch_n and self._pinch():
+                return True
+            if up_n > self._hand.blocked_n:
+                return False
+        self._wait(0.1)
+        self._pinch()
+        return True
+
+    def _pinch(self) -> bool:
+        """Tie the cover that a tip presses on, if the other tip has it too; the panels in question."""
+        left, right = self._touching(self._left), self._touching(self._right)
+        if not (left or right):
+            return False
+        left, right = left or self._below(self._left), right or self._below(self._right)
+        both = {n for n in self._numbers(left) & self._numbers(right) if (n, 0) in self._covers}
+        if not both:
+            return False
+        for geom in left | right:
+            if self._numbers({geom}) == {min(both)}:
+                self._tie(geom)
+        self._tied = True
+        return True
+
+    def _below(self, finger: int) -> set[int]:
+        """The geom of an item straight below a tip, if it is so near that cloth would reach it; one or none."""
+        tip_m = self.data.geom_xpos[finger] - np.array([0.0, 0.0, _FINGER_HALF_M[2] - _INSIDE_M])
+        met = np.array([-1], dtype=np.int32)
+        groups = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8)
+        far_m = self._engine.mj_ray(self.model, self.data, tip_m, np.array([0.0, 0.0, -1.0]), groups, 1, -1, met, None)
+        near = 0 <= far_m <= self._hand.cloth_gives_m + _INSIDE_M
+        return {int(met[0])} if near and 0 < met[0] < len(self._world.geom_numbers) else set()
+
+    def _tie(self, geom: int) -> None:
+        """Tie one panel to the hand where it is."""
+        body, hand = int(self.model.geom_bodyid[geom]), int(self.model.geom_bodyid[self._left - 1])
+        name = self._engine.mj_id2name(self.model, self._engine.mjtObj.mjOBJ_BODY, body)
+        tie = self._engine.mj_name2id(self.model, self._engine.mjtObj.mjOBJ_EQUALITY, f"tie_{name}")
+        point = self.data.xpos[body]
+        self.model.eq_data[tie, :3] = self._in_body(hand, point)
+        self.model.eq_data[tie, 3:6] = self._in_body(body, point)
+        self.data.eq_active[tie] = 1
+
+    def _in_body(self, body: int, point_m: FloatArray) -> FloatArray:
+        R = self.data.xmat[body].reshape(3, 3)
+        return np.asarray(R.T @ (point_m - self.data.xpos[body]))
+
+    def _close(self) -> None:
+        self.data.ctrl[1:] = -0.02
+        for k in range(15):
+            before_m = self._gap_m()
+            self._wait(0.05)
+            if self._touching(self._left) and self._touching(self._right) and self._pinch():
+                break
+            if k >= _CLOSING and abs(self._gap_m() - before_m) < 5e-4:
+                break
+
+    def _go(self, up_m: float) -> None:
+        """Move the slide up by a way."""
+        target_m = start_m = float(self.data.ctrl[0])
+        while target_m < start_m + up_m:
+            target_m = min(start_m + up_m, target_m + self._hand.speed_m_s * self.model.opt.timestep)
+            self._step(target_m)
+            if self._tied and -float(self.data.qfrc_constraint[self._dof]) > self._hand.pinch_holds_n:
+                self.data.eq_active[1:] = 0
+                self._tied = False
+
+    def _wait(self, duration_s: float) -> None:
+        for _ in range(round(duration_s / self.model.opt.timestep)):
+            self._step(float(self.data.ctrl[0]))
+
+    def _step(self, target_m: float) -> None:
+        self.data.ctrl[0] = target_m
+        self._engine.mj_step(self.model, self.data)
+        self.passed_s += self.model.opt.timestep
+
+    def _gap_m(self) -> float:
+        return float(max(0.0, self.data.qpos[-1] + self.data.qpos[-2]))
+
+    def _between(self, duration_s: float) -> set[int]:
+        """Let time pass; numbers of the items that both jaws touched then, or that are tied.
+
+        Stiff pads let go of a light thing for a step or two, so that one moment says little.
+        """
+        found: set[int] = set()
+        for _ in range(round(duration_s / self.model.opt.timestep)):
+            self._step(float(self.data.ctrl[0]))
+            if self._gap_m() > _CLOSED_M:
+                found |= self._numbers(self._touching(self._left)) & self._numbers(self._touching(self._right))
+        if self._tied:
+            return {self._covers[int(tie)][0] for tie in np.flatnonzero(self.data.eq_active[1:])}
+        return found
+
+    def _heights_m(self) -> dict[int, float]:
+        """Height of each item [m], by number."""
+        return {number: float(state[2]) for number, state in self.states.items()}
+
+    def _touching(self, finger: int) -> set[int]:
+        """Geoms of items in contact with a finger."""
+        pairs = self.data.contact.geom.reshape(-1, 2)
+        near = {int(g) for pair in pairs if finger in pair for g in pair}
+        return {g for g in near if 0 < g < len(self._world.geom_numbers)}
+
+    def _numbers(self, geoms: set[int]) -> set[int]:
+        """Items that geoms belong to."""
+        return {int(self._world.geom_numbers[geom]) for geom in geoms}
+
+
+def _about(world: PileWorld, place_m: FloatArray) -> PileWorld:
+    """The part of a pile that a grasp can move: what is near the hand, and all that hangs together with it.
+
+    The other piles rest meanwhile, so that they need not be computed.
+    """
+    todo = [item.number for item in world.items if _distance_m(world, item.number, place_m) < _NEAR_M]
+    found = set(todo)
+    while todo:
+        more = world.touching(todo.pop()) - found
+        found |= more
+        todo += more
+    items = [item for item in world.items if item.number in found]
+    return PileWorld(items, {number: state for number, state in world.states.items() if number in found}, world.physics)
+
+
+def _meet(world: PileWorld, near: PileWorld) -> bool:
+    """Whether something that was moved touches what was left out of the simulation."""
+    moved = {item.number for item in near.items}
+    return any(world.touching(number) - moved for number in moved)
+
+
+def _distance_m(world: PileWorld, number: int, place_m: FloatArray) -> float:
+    """Level distance from a place to the box about an item [m]."""
+    corners_m = world.corners_m(number)[:, :2]
+    return float(np.linalg.norm(np.clip(place_m, corners_m.min(axis=0), corners_m.max(axis=0)) - place_m))
+
+
+def _top_about(world: PileWorld, place_m: FloatArray) -> float:
+    """Height of the highest thing that the hand could meet on its way down [m]."""
+    top_m = 0.0
+    for item in world.items:
+        if _distance_m(world, item.number, place_m) < _AROUND_M:
+            top_m = max(top_m, float(world.corners_m(item.number)[:, 2].max()))
+    return top_m
+
+
+def hand_xml(T_world_hand: FloatArray, start_m: float, hand: PileHand, covers: list[tuple[int, int]]) -> HandXml:
+    """The hand as MJCF: at a place and yaw, its tool frame at a height from which it goes down."""
+    R, half = T_world_hand[:3, :3], " ".join(map(str, _FINGER_HALF_M))
+    axes = " ".join(map(str, [*R[:, 0], *R[:, 1]]))
+    friction = f'friction="{hand.friction} 0.02 0.005" solref="{_PAD_S} 1" solmix="1000"'
+    body = "".join(
+        f'<geom type="{kind}" size="{" ".join(map(str, size))}" pos="{" ".join(map(str, pos))}" mass="0.4" '
+        f'group="{_HAND_GROUP}"/>'
+        for kind, size, pos in _BODY
+    )
+    fingers = "".join(
+        f'<body name="finger_{side}" gravcomp="1"><joint name="jaw_{side}" type="slide" axis="0 {sign} 0" '
+        f'range="-0.001 {hand.opening_m / 2}" damping="{_FINGER_N_S_M}" frictionloss="0" armature="0.05"/>'
+        f'<geom type="box" size="{half}" pos="0 {sign * _FINGER_HALF_M[1]} {_FINGER_Z_M}" mass="0.04" {friction} '
+        f'group="{_HAND_GROUP}"/>'
+        "</body>"
+        for side, sign in (("left", 1), ("right", -1))
+    )
+    slide = (
+        f'<joint name="slide" type="slide" axis="0 0 -1" limited="false" damping="{_SLIDE_N_S_M}" frictionloss="0" '
+        'armature="0.1"/>'
+    )
+    place = f"{T_world_hand[0, 3]} {T_world_hand[1, 3]} {start_m}"
+    ties = "".join(
+        f'<connect name="tie_{number}_{panel}" active="false" body1="hand" body2="{number}_{panel}" anchor="0 0 0"/>'
+        for number, panel in covers
+    )
+    return HandXml(
+        f'<body name="hand" pos="{place}" xyaxes="{axes}" gravcomp="1">{slide}{body}{fingers}</body>',
+        '<exclude body1="finger_left" body2="finger_right"/>',
+        '<joint name="coupled" joint1="jaw_left" joint2="jaw_right" polycoef="0 1 0 0 0" solref="0.01 1"/>' + ties,
+        f'<position joint="slide" kp="{_SLIDE_N_M}" ctrlrange="-1 1" ctrllimited="false"/>'
+        + "".join(
+            f'<position joint="jaw_{side}" kp="{_FINGER_N_M}" forcerange="{-hand.grip_n} {hand.grip_n}"/>'
+            for side in ("left", "right")
+        ),
+    )

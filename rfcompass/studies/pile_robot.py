@@ -1,0 +1,175 @@
+"""A simulated arm over a simulated pile: sees, hears, grasps, and counts the time. Behind it is the truth."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from planners.ik import IkRules, InverseKinematics
+from planners.path_timing import in_time
+from planners.pile_arm import ArmMotion, PileArm, link_poses
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import NoAnswer, OutOfReach
+from rfcompass.robots import load_robot
+from rfcompass.simulation import AntennaTrack, inventory_scan
+from rfcompass.simulation.piles import PileCamera, PileScene, PileWorld, TaggedItems, grasp_item, hear_tags
+from rfcompass.simulation.piles.scanning import FRAME
+from rfcompass.studies.pile_scan import ANTENNA, CAMERA, PILE_SAR, ROBOT, SEARCH, T_WORLD_BASE, WristWay, wrist_way
+from rfcompass.types import DepthView, ExtractionAction, GraspAttempt, InstanceMasks, PileLook, TagFix
+from rfcompass.types.grasps import Failure
+from rfcompass.types.motions import REACH
+from rfcompass.types.search import HELD, UNREACHABLE
+from rfcompass.types.world import World
+
+# Ours: where the hand opens, beside the table, in the world; time to hear all tags at one antenna position; distance
+# between two antenna positions on a way between looks, and how few are worth locating anything from.
+DROP_M = (0.60, -0.30, 0.35)
+READ_S = 0.10
+_APART_M, _FEWEST = 0.03, 6
+_REMEMBERED = 12  # views whose true masks are kept
+
+
+def pile_arm() -> PileArm:
+    """The UR5e where the studies put it."""
+    robot = load_robot(ROBOT)
+    ik = InverseKinematics(robot, World(floor_m=-float(T_WORLD_BASE[2, 3])), IkRules(certify=False, explain=False))
+    return PileArm(ik, T_WORLD_BASE, CAMERA, np.array(DROP_M), robot.posture("scan"))
+
+
+@dataclass(eq=False, kw_only=True)
+class SimulatedPileRobot:
+    """A `PileRobot` over a scene; changes its world as it works.
+
+    Noise of one motion depends on the seed and on how many grasps there were before, not on what else was done: two
+    methods that do the same see the same.
+
+    Args:
+        scene: The pile; truth.
+        tags: Which items are tagged.
+        seed: Of all noise.
+        way: Where a scan goes.
+        arm: Plans and times the motions.
+        absent: Whether the target is taken away before: it is sought in vain.
+        world: The pile now; truth.
+        taken: Numbers of the items in the drop zone, in order; truth.
+        motions: What the arm did, and when each motion began [s].
+        tables: States of all items after each change, and when it was [s]; truth.
+    """
+
+    scene: PileScene
+    tags: TaggedItems
+    seed: int
+    way: WristWay = field(default_factory=lambda: wrist_way("two"))
+    arm: PileArm = field(default_factory=pile_arm)
+    absent: bool = False
+    world: PileWorld = field(init=False)
+    taken: list[int] = field(init=False, default_factory=list)
+    motions: list[tuple[float, ArmMotion]] = field(init=False, default_factory=list)
+    tables: list[tuple[float, Mapping[int, FloatArray]]] = field(init=False, default_factory=list)
+    _shown: list[tuple[DepthView, InstanceMasks]] = field(init=False, repr=False, default_factory=list)
+    _elapsed_s: float = field(init=False, repr=False, default=0.0)
+    _grasps: int = field(init=False, repr=False, default=0)
+    _looks: int = field(init=False, repr=False, default=0)
+
+    def __post_init__(self) -> None:
+        """Stand at rest over the table."""
+        self.world = self.scene.world()
+        if self.absent:
+            self.world.remove(self.scene.target)
+            self.world.settle()
+        self.tables.append((0.0, self.world.states))
+        self._joints = self.arm.resting
+        self._camera = PileCamera(self.world, np.random.default_rng([self.seed, 0]))
+
+    @property
+    def elapsed_s(self) -> float:
+        """Time that the arm has moved, or stood to read, so far [s]."""
+        return self._elapsed_s
+
+    def scan(self) -> PileLook:
+        """Go round the table once with camera and antennas."""
+        rng = self._rng(1)
+        views = [self._view(T) for T in self.way.camera_poses]
+        motion = in_time(self.way.robot, REACH, self.way.motion.path)
+        took_s = max(motion.duration_s, READ_S * len(self.way.track))
+        slower = replace(motion, times_s=motion.times_s * took_s / motion.duration_s)
+        self._moved(ArmMotion((slower,), 0.0, self.way.camera_poses[-1]))
+        return PileLook(tuple(views), self._located(self.way.track, rng))
+
+    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+        """Take an image from above a point, and listen to some tags on the way there."""
+        motion = self.arm.look_at(point_m, height_m, self._joints)
+        if isinstance(motion, Failure):
+            raise OutOfReach(f"the arm cannot look at the pile: {motion.message}", **dict(motion.numbers))
+        self._moved(motion)
+        view = self._view(motion.T_world_link)
+        if not epcs or len(track := self._track(motion)) < _FEWEST:
+            return PileLook((view,))
+        return PileLook((view,), self._located(track, self._rng(2), epcs))
+
+    def grasp(self, action: ExtractionAction) -> GraspAttempt:
+        """Go for an object and put what is held into the drop zone."""
+        self._grasps, self._looks = self._grasps + 1, 0
+        motion = self.arm.fetch(action.T_world_hand, self._joints)
+        if isinstance(motion, Failure):
+            return GraspAttempt(UNREACHABLE, action.aperture_m, 0.0, message=motion.message)
+        done = grasp_item(self.world, action.T_world_hand, action.aperture_m)
+        self._moved(motion)
+        self.tables.append((self._elapsed_s, self.world.states))
+        self.taken.extend(done.taken)
+        held = done.outcome == HELD
+        there = {tag.number: tag.epc for tag in self.tags.tags}
+        return GraspAttempt(
+            done.outcome,
+            done.gap_m,
+            motion.duration_s,
+            shows_target=held and self.scene.target in done.taken,
+            epcs=tuple(there[number] for number in done.taken if number in there) if held else (),
+        )
+
+    def true_masks(self, view: DepthView) -> InstanceMasks:
+        """Which item each pixel of one of the last views shows: truth, for studies that say that they use it."""
+        for seen, masks in reversed(self._shown):
+            if seen is view:
+                return masks
+        raise ValueError("this robot did not take that view")
+
+    def _view(self, T_world_camera: FloatArray) -> DepthView:
+        self._camera.move_to(T_world_camera)
+        view, masks = self._camera.view_and_masks()
+        self._shown = [*self._shown[1 - _REMEMBERED :], (view, masks)]
+        return view
+
+    def _moved(self, motion: ArmMotion) -> None:
+        self.motions.append((self._elapsed_s, motion))
+        self._elapsed_s += motion.duration_s
+        self._joints = motion.end
+
+    def _rng(self, what: int) -> np.random.Generator:
+        self._looks += 1
+        return np.random.default_rng([self.seed, what, self._grasps, self._looks])
+
+    def _track(self, motion: ArmMotion) -> AntennaTrack:
+        """Where the receiving antenna goes, at even distances."""
+        path = motion.path
+        ends_m = link_poses(self.arm, path, ANTENNA)[:, :3, 3]
+        steps = np.maximum(1, np.ceil(np.linalg.norm(np.diff(ends_m, axis=0), axis=1) / _APART_M)).astype(int)
+        rows = [a + (b - a) * k / n for a, b, n in zip(path[:-1], path[1:], steps, strict=True) for k in range(n)]
+        T = link_poses(self.arm, [*rows, path[-1]], ANTENNA)
+        return AntennaTrack(T[:, :3, 3], T[:, :3, :3], np.ones(len(T), dtype=np.int64))
+
+    def _located(
+        self, track: AntennaTrack, rng: np.random.Generator, epcs: Collection[str] | None = None
+    ) -> tuple[TagFix, ...]:
+        """Locate tags of the table from what is heard along a track, all of them if `epcs` is None."""
+        there, _, _ = self.tags.placed(self.world)
+        wanted = [epc for epc in there if epcs is None or epc in epcs]
+        if not wanted:
+            return ()
+        scan, fixes = inventory_scan(hear_tags(self.world, self.tags, track, rng), wanted, FRAME), []
+        for epc in wanted:
+            try:
+                fixes.append(PILE_SAR.locate(scan.traces[epc], SEARCH))
+            except (NoAnswer, KeyError):  # too few reads, or none
+                continue
+        return tuple(fixes)

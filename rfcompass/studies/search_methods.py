@@ -1,0 +1,119 @@
+"""The ways of searching that studies and the command line know, by name.
+
+`fusebot` and `xray` are the papers', with their own views and updates. Names that end in `_equal` have the views, the
+updates of the map and the memory of failures that our own method has, so that only the rule differs.
+"""
+
+from collections.abc import Callable, Mapping
+
+from planners.extraction import (
+    FewestActionsPolicy,
+    FuseBotPolicy,
+    LargestMaskPolicy,
+    NaivePolicy,
+    RandomPolicy,
+    XRayPolicy,
+)
+from planners.search_beliefs import Belief, OwnTag, PaperBelief, PosteriorBelief
+from planners.search_method import OVERHEAD, WHOLE_VIEW_M, SearchMethod
+from rfcompass.errors import InputError
+from rfcompass.types import ItemSize
+
+Maker = Callable[[ItemSize, int], SearchMethod]
+
+
+def search_method(name: str, target: ItemSize, seed: int = 0) -> SearchMethod:
+    """Make a way of searching.
+
+    Args:
+        name: One of `METHODS`.
+        target: What is sought. If it carries a tag, that tag is used by every method that has a map.
+        seed: Of the method `random`.
+
+    Raises:
+        InputError: If there is no such method.
+    """
+    if name not in METHODS:
+        raise InputError(f"no way of searching is called {name!r}; known: {', '.join(METHODS)}", known=list(METHODS))
+    return METHODS[name](target, seed)
+
+
+def _with_own_tag(belief: Belief, target: ItemSize) -> Belief:
+    return belief if target.epc is None else OwnTag(epc=target.epc, otherwise=belief)
+
+
+def _fusebot(name: str, *, gate: bool = True) -> Maker:
+    return lambda target, _: SearchMethod(
+        name=name,
+        policy=FuseBotPolicy(gate=gate, remembers=False),
+        belief=_with_own_tag(PaperBelief(), target),
+    )
+
+
+def _fusebot_equal(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
+    return SearchMethod(
+        name="fusebot_equal",
+        policy=FuseBotPolicy(),
+        belief=_with_own_tag(PaperBelief(), target),
+        update_edge_m=WHOLE_VIEW_M,
+        remembers=True,
+    )
+
+
+def _fusebot_posterior(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
+    return SearchMethod(
+        name="fusebot_posterior",
+        policy=FuseBotPolicy(),
+        belief=_with_own_tag(PosteriorBelief(), target),
+        update_edge_m=WHOLE_VIEW_M,
+        remembers=True,
+    )
+
+
+def _spherical(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
+    return SearchMethod(
+        name="spherical",
+        policy=FuseBotPolicy(remembers=False),
+        belief=_with_own_tag(PaperBelief(rigid=True), target),
+    )
+
+
+def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
+    def make(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
+        policy = XRayPolicy(target_m=target.size_m, gate=gate, remembers=equal)
+        edge = {"update_edge_m": WHOLE_VIEW_M} if equal else {}
+        return SearchMethod(name=name, policy=policy, belief=None, looks=OVERHEAD, remembers=equal, **edge)
+
+    return make
+
+
+def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
+    return SearchMethod(
+        name="ours",
+        policy=FewestActionsPolicy(target_m=target.size_m),
+        belief=_with_own_tag(PosteriorBelief(), target),
+        update_edge_m=WHOLE_VIEW_M,
+        remembers=True,
+    )
+
+
+METHODS: Mapping[str, Maker] = {
+    "fusebot": _fusebot("fusebot"),
+    "fusebot_no_gate": _fusebot("fusebot_no_gate", gate=False),
+    "fusebot_equal": _fusebot_equal,
+    "fusebot_posterior": _fusebot_posterior,
+    "spherical": _spherical,
+    "xray": _xray("xray", gate=False),
+    "xray_gate": _xray("xray_gate", gate=True),
+    "xray_equal": _xray("xray_equal", gate=True, equal=True),
+    "naive": lambda target, _: SearchMethod(
+        name="naive", policy=NaivePolicy(), belief=_with_own_tag(PaperBelief(), target)
+    ),
+    "largest": lambda _, __: SearchMethod(
+        name="largest", policy=LargestMaskPolicy(remembers=False), belief=None, looks=OVERHEAD
+    ),
+    "random": lambda _, seed: SearchMethod(
+        name="random", policy=RandomPolicy(seed=seed, remembers=False), belief=None, looks=OVERHEAD
+    ),
+    "ours": _ours,
+}

@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+from planners.grasp_at_pixel import grasp_at_pixel
+from planners.grasp_network import NetworkGraspQuality
+from rfcompass.errors import ShapeError
+from rfcompass.interfaces import GraspQuality
+from tests.planners.standing_boxes import Upright, look, pixel_of
+
+BOX = Upright(0.02, 0.01, 0.0, 0.07, 0.04, 0.05)
+
+
+def answering(row=0, column=0, angle_rad=0.0, width_px=10.0):
+    def network(depth_m):
+        quality = np.zeros(depth_m.shape)
+        quality[row, column] = 0.9
+        return quality, np.full(depth_m.shape, angle_rad), np.full(depth_m.shape, width_px)
+
+    return network
+
+
+def test_it_is_a_grasp_quality():
+    assert isinstance(NetworkGraspQuality(network=answering()), GraspQuality)
+
+
+@pytest.mark.parametrize("turn_rad", [0.0, 0.6, 2.0])
+def test_angle_and_width_of_the_image_become_those_of_the_world(turn_rad):
+    view = look(BOX, turn_rad=turn_rad)
+    pixel = pixel_of(view, (0.02, 0.01, 0.05))
+    # Across the box is the world's y; the camera's columns stand turn_rad to the world's x, its rows look down.
+    network = answering(*pixel, angle_rad=turn_rad - np.pi / 2, width_px=0.04 / 0.45 * view.intrinsics[0, 0])
+    maps = NetworkGraspQuality(network=network).quality(view)
+    assert maps.angle_rad[pixel] % np.pi == pytest.approx(np.pi / 2)
+    assert maps.width_m[pixel] == pytest.approx(0.04, rel=1e-6)
+    T, aperture_m = grasp_at_pixel(view, maps, *pixel)
+    assert np.abs(T[:2, 3] - [0.02, 0.01]).max() < 0.003
+    assert T[2, 3] == pytest.approx(0.05 - 0.03 + 0.013, abs=1e-3)
+    assert aperture_m == pytest.approx(0.06, abs=1e-6)
+
+
+def test_a_pixel_without_depth_has_no_grasp():
+    view = look(BOX)
+    depth_m = view.depth_m.copy()
+    depth_m[3, 4] = np.nan
+    blind = type(view)(depth_m, view.intrinsics, view.T_world_camera)
+    maps = NetworkGraspQuality(network=answering(3, 4)).quality(blind)
+    assert not maps.quality.any()
+
+
+@pytest.mark.parametrize(
+    ("spoil", "what"),
+    [
+        (lambda q, a, w: (q, a), "2 images"),
+        (lambda q, a, w: (q[1:], a, w), "quality of shape"),
+        (lambda q, a, w: (q + 1, a, w), "quality"),
+        (lambda q, a, w: (q, a * np.nan, w), "angle"),
+        (lambda q, a, w: (q, a, -w), "width"),
+    ],
+)
+def test_an_answer_that_is_none_is_refused(spoil, what):
+    quality = NetworkGraspQuality(network=lambda depth_m: spoil(*answering()(depth_m)))
+    with pytest.raises(ShapeError, match=what):
+        quality.quality(look(BOX))
+
+
+def test_the_network_cannot_change_the_view():
+    def network(depth_m):
+        depth_m[:] = 1.0
+        return answering()(depth_m)
+
+    view = look(BOX)
+    before = view.depth_m.copy()
+    NetworkGraspQuality(network=network).quality(view)
+    assert np.array_equal(view.depth_m, before)

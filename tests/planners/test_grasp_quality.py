@@ -1,0 +1,163 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planners.grasp_at_pixel import grasp_at_pixel
+from planners.grasp_quality import AntipodalQuality, JawSizes
+from planners.height_map import HeightMap, height_map
+from rfcompass.errors import InputError, ShapeError
+from rfcompass.interfaces import GraspQuality
+from rfcompass.mapping.camera import points_image
+from rfcompass.types import DepthView
+from tests.planners import grasp_map_reference as reference
+from tests.planners.standing_boxes import Upright, look, pixel_of
+
+QUALITY = AntipodalQuality()
+SOME = st.builds(
+    Upright,
+    x_m=st.floats(-0.08, 0.08),
+    y_m=st.floats(-0.05, 0.05),
+    yaw_rad=st.floats(0, np.pi),
+    length_m=st.floats(0.02, 0.12),
+    width_m=st.floats(0.02, 0.08),
+    height_m=st.floats(0.01, 0.09),
+    round_top=st.booleans(),
+)
+
+
+def standing(view):
+    return points_image(view)[..., 2] > QUALITY.standing_m
+
+
+def best_pixel(maps):
+    return np.unravel_index(np.argmax(maps.quality), maps.quality.shape)
+
+
+def test_it_is_a_grasp_quality():
+    assert isinstance(QUALITY, GraspQuality)
+
+
+def test_an_empty_table_has_no_grasp():
+    maps = QUALITY.quality(look())
+    assert not maps.quality.any()
+    assert not maps.width_m.any()
+
+
+def test_an_image_without_any_depth_has_no_grasp():
+    view = look(Upright())
+    blind = DepthView(np.full_like(view.depth_m, np.nan), view.intrinsics, view.T_world_camera)
+    assert not QUALITY.quality(blind).quality.any()
+
+
+def test_a_box_is_gripped_in_its_middle_across_its_width():
+    view = look(Upright(0.03, -0.02, 0.5, 0.07, 0.04, 0.05))
+    maps = QUALITY.quality(view)
+    row, column = best_pixel(maps)
+    T, aperture_m = grasp_at_pixel(view, maps, row, column)
+    assert maps.quality[row, column] > 0.7
+    assert np.linalg.norm(T[:2, 3] - [0.03, -0.02]) < 0.015
+    turned = (maps.angle_rad[row, column] - (0.5 + np.pi / 2)) % np.pi
+    assert min(turned, np.pi - turned) < np.deg2rad(12)
+    assert 0.05 < aperture_m < 0.075
+
+
+def test_a_box_wider_than_the_hand_has_no_closing_grasp():
+    view = look(Upright(length_m=0.10, width_m=0.095, height_m=0.05))
+    assert not (QUALITY.evidence(view).kind == 1).any()
+
+
+def test_walls_beside_a_box_leave_no_room_for_fingers():
+    box = Upright(length_m=0.05, width_m=0.04, height_m=0.05)
+    walls = [Upright(y_m=sign * 0.040, length_m=0.17, width_m=0.032, height_m=0.05) for sign in (1, -1)]
+    ends = [Upright(x_m=sign * 0.045, length_m=0.032, width_m=0.17, height_m=0.05) for sign in (1, -1)]
+    alone, walled = look(box), look(box, *walls, *ends)
+    middle = pixel_of(alone, (0, 0, 0.05))
+    assert QUALITY.quality(alone).quality[middle] > 0.7
+    evidence = QUALITY.evidence(walled)
+    assert evidence.kind[middle] != 1 or evidence.numbers[middle][0] < 0
+
+
+def test_tips_stay_above_the_table():
+    view = look(Upright(height_m=0.02), Upright(x_m=0.12, height_m=0.05, round_top=True))
+    maps = QUALITY.quality(view)
+    tip_m = points_image(view)[..., 2] - maps.depth_m
+    assert tip_m[maps.quality > 0].min() >= QUALITY.jaws.above_table_m - 1e-9
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.lists(SOME, min_size=1, max_size=4), st.integers(0, 2**31))
+def test_the_kernel_agrees_with_the_definitions(things, seed):
+    view = look(*things)
+    evidence, heights = QUALITY.evidence(view), height_map(view, standing(view), QUALITY.cell_m)
+    for row, column in np.random.default_rng(seed).permutation(np.argwhere(standing(view)))[:6]:
+        expected = reference.best(heights, points_image(view)[row, column], QUALITY)
+        if expected is None:
+            assert evidence.kind[row, column] == 0
+            continue
+        assert evidence.log_odds[row, column] == pytest.approx(expected[0], abs=1e-9)
+        got = [array[row, column] for array in (evidence.width_m, evidence.depth_m, evidence.kind)]
+        ties = abs(evidence.angle_rad[row, column] - expected[1]) > 1e-9  # equally good at another angle
+        assert ties or got == pytest.approx(expected[2:], abs=1e-9)
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.lists(SOME, min_size=0, max_size=5))
+def test_qualities_are_shares_and_only_on_what_stands(things):
+    view = look(*things)
+    maps = QUALITY.quality(view)
+    assert ((maps.quality >= 0) & (maps.quality <= 1)).all()
+    assert not maps.quality[~standing(view)].any()
+    assert (maps.width_m <= QUALITY.jaws.opening_m).all()
+
+
+@settings(max_examples=8, deadline=None)
+@given(SOME, st.integers(0, 15), st.floats(-0.03, 0.03), st.floats(-0.03, 0.03))
+def test_turning_the_camera_hardly_changes_the_best_grasp(thing, turns, x_m, y_m):
+    first = QUALITY.quality(look(thing)).quality.max()
+    other = QUALITY.quality(look(thing, turn_rad=turns * np.pi / 8, at_m=(x_m, y_m))).quality.max()
+    assert other == pytest.approx(first, abs=0.35)
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.integers(0, 7), st.floats(0.025, 0.05), st.floats(-0.04, 0.04))
+def test_turning_a_box_turns_its_grasp(turns, width_m, x_m):
+    view = look(Upright(x_m, 0.0, turns * np.pi / 8, 0.09, width_m, 0.05))
+    maps = QUALITY.quality(view)
+    turned = (maps.angle_rad[best_pixel(maps)] - (turns + 4) * np.pi / 8) % np.pi
+    assert min(turned, np.pi - turned) < np.deg2rad(23)
+
+
+def test_a_map_fills_a_lost_pixel_from_beside_it_and_a_shadow_from_the_ground():
+    view = look(Upright())
+    depth_m = view.depth_m.copy()
+    row, column = pixel_of(view, (0, 0, 0.05))
+    depth_m[row, column] = np.nan
+    lost = DepthView(depth_m, view.intrinsics, view.T_world_camera)
+    heights = height_map(lost, standing(lost), 0.0025)
+    assert reference.over(heights, np.zeros(1), np.zeros(1)) == pytest.approx(0.05, abs=1e-3)
+    assert set(np.round(heights.heights_m[np.isfinite(heights.heights_m)], 3)) <= {0.0, *np.arange(0, 0.051, 0.0005)}
+
+
+def test_what_nobody_saw_is_unknown():
+    view = look(Upright(x_m=0.20))
+    heights = height_map(view, standing(view), 0.0025)
+    assert np.isinf(heights.heights_m).any()
+
+
+def test_a_map_of_nonsense_is_refused():
+    with pytest.raises(ShapeError, match="NaN"):
+        HeightMap(np.zeros(2), 0.01, np.full((2, 2), np.nan))
+    with pytest.raises(ShapeError, match="not positive"):
+        HeightMap(np.zeros(2), 0.0, np.zeros((2, 2)))
+
+
+def test_a_hand_without_an_opening_is_refused():
+    with pytest.raises(InputError, match="opening_m"):
+        JawSizes(opening_m=0.0)
+
+
+def test_equal_views_give_equal_bits():
+    things = (Upright(), Upright(0.07, 0.03, 0.7, round_top=True))
+    first, second = QUALITY.quality(look(*things)), QUALITY.quality(look(*things))
+    assert all(np.array_equal(getattr(first, n), getattr(second, n)) for n in first.__slots__)

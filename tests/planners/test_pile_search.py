@@ -1,0 +1,261 @@
+"""The search ends when it should, with the reason, and remembers what it should; the robot plays by a script."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from planners.pile_search import PileSearch, SearchRules
+from planners.search_beliefs import PaperBelief, PosteriorBelief
+from planners.search_method import OVERHEAD, OVERHEAD_M, SearchMethod
+from rfcompass.arrays import FloatArray
+from rfcompass.errors import InputError, NothingToGrasp, OutOfReach
+from rfcompass.types import (
+    DepthView,
+    ExtractionAction,
+    GraspAttempt,
+    GraspMaps,
+    InstanceMasks,
+    ItemSize,
+    PileLook,
+    TagFix,
+    VoxelGrid,
+    Workspace,
+)
+
+H, W, F = 60, 80, 70.0
+TABLE = Workspace.between(np.array([-0.2, -0.15, 0.0]), np.array([0.2, 0.15, 0.2]), 0.02)
+TARGET = ItemSize("target", np.array([0.06, 0.04, 0.03]))
+EPC, STRAY = "01" * 12, "ff" * 12
+TAGGED = ItemSize("box_001", np.array([0.08, 0.05, 0.04]), False, EPC)
+HELD, MISSED = GraspAttempt("held", 0.04, 2.0), GraspAttempt("missed", 0.0, 2.0)
+FOUND = GraspAttempt("held", 0.04, 2.0, shows_target=True)
+
+
+def down(x_m: float, y_m: float, z_m: float) -> FloatArray:
+    T = np.diag([1.0, -1.0, -1.0, 1.0])
+    T[:3, 3] = x_m, y_m, z_m
+    return T
+
+
+def image(x_m: float, y_m: float, z_m: float, *, box: bool = True, red: bool = False) -> DepthView:
+    """A box of 8 x 8 x 10 cm about the origin, seen from above; its top is red if the target is in sight."""
+    K = np.array([[F, 0, (W - 1) / 2], [0, F, (H - 1) / 2], [0, 0, 1.0]])
+    v, u = np.indices((H, W))
+    top_m = z_m - 0.10
+    on_box = (abs(x_m + (u - K[0, 2]) / F * top_m) < 0.04) & (abs(y_m - (v - K[1, 2]) / F * top_m) < 0.04) & box
+    colour = np.where((on_box & red)[..., None], (200, 25, 25), (120, 120, 120))
+    return DepthView(np.where(on_box, top_m, z_m), K, down(x_m, y_m, z_m), colour)
+
+
+@dataclass
+class ScriptedRobot:
+    """Grasps end as the script says; the target is in sight from a grasp on."""
+
+    script: Sequence[GraspAttempt]
+    red_from: int = 99
+    box: bool = True
+    fixes: tuple[TagFix, ...] = ()
+    heard_later: tuple[TagFix, ...] = ()
+    blind: bool = False
+    elapsed_s: float = 0.0
+    done: list[ExtractionAction] = field(default_factory=list)
+    scans: int = 0
+    heights_m: list[float] = field(default_factory=list)
+
+    def scan(self) -> PileLook:
+        self.scans += 1
+        self.elapsed_s += 10.0
+        views = [self._image(x, y, 0.7) for x, y in ((-0.1, 0.0), (0.1, 0.0), (0.0, 0.1))]
+        return PileLook(tuple(views), self.fixes)
+
+    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+        if self.blind:
+            raise OutOfReach("the arm cannot look there")
+        self.heights_m.append(height_m)
+        heard = tuple(fix for fix in self.heard_later if fix.epc in epcs)
+        return PileLook((self._image(float(point_m[0]), float(point_m[1]), height_m),), heard)
+
+    def grasp(self, action: ExtractionAction) -> GraspAttempt:
+        self.done.append(action)
+        attempt = self.script[min(len(self.done), len(self.script)) - 1]
+        self.elapsed_s += attempt.duration_s
+        return attempt
+
+    def _image(self, x_m: float, y_m: float, z_m: float) -> DepthView:
+        return image(x_m, y_m, z_m, box=self.box, red=len(self.done) >= self.red_from)
+
+
+@dataclass
+class Noted:
+    """A policy that takes the middle of the image and notes what it was told."""
+
+    told: list[int] = field(default_factory=list)
+    refuses: bool = False
+
+    def choose(
+        self,
+        grid: VoxelGrid,
+        view: DepthView,
+        masks: InstanceMasks,
+        grasps: GraspMaps,
+        failed_m: Sequence[FloatArray] = (),
+    ) -> ExtractionAction:
+        if self.refuses:
+            raise NothingToGrasp("nothing", masks=0)
+        self.told.append(len(failed_m))
+        return ExtractionAction(1, down(0.0, 0.0, 0.08), 0.06, 1.0)
+
+
+class AnyMasks:
+    def segment(self, view: DepthView) -> InstanceMasks:
+        return InstanceMasks((view.depth_m < view.depth_m.max() - 0.05).astype(np.int64))
+
+
+class AnyGrasps:
+    def quality(self, view: DepthView) -> GraspMaps:
+        flat = np.zeros(view.depth_m.shape)
+        return GraspMaps(flat + 0.5, flat, flat + 0.05, flat + 0.02)
+
+
+def search(robot: ScriptedRobot, policy: Noted | None = None, **more: object) -> PileSearch:
+    method = SearchMethod(name="test", policy=policy or Noted(), **more)
+    return PileSearch(
+        robot=robot,
+        method=method,
+        target=TARGET,
+        workspace=TABLE,
+        segmenter=AnyMasks(),
+        quality=AnyGrasps(),
+        sizes=(TAGGED,),
+    )
+
+
+def fix(x_m: float, *, confident: bool = True) -> TagFix:
+    return TagFix(EPC, np.array([x_m, 0.0, 0.05]), np.full(3, 0.05), confident)
+
+
+def test_a_target_that_comes_into_sight_is_grasped_and_ends_the_search() -> None:
+    robot = ScriptedRobot([HELD, HELD, FOUND], red_from=2)
+    result = search(robot).run()
+    assert (result.outcome, result.actions, result.failed_grasps) == ("found", 3, 0)
+    assert [step.on_target for step in result.steps] == [False, False, True]
+
+
+def test_a_target_in_sight_from_the_start_needs_one_action() -> None:
+    policy = Noted()
+    result = search(ScriptedRobot([FOUND], red_from=0), policy).run()
+    assert (result.outcome, result.actions, policy.told) == ("found", 1, [])
+
+
+def test_a_target_that_comes_along_ends_the_search() -> None:
+    assert search(ScriptedRobot([HELD, FOUND])).run().actions == 2
+
+
+def test_fifteen_actions_are_the_most() -> None:
+    result = search(ScriptedRobot([HELD])).run()
+    assert (result.outcome, result.actions) == ("too_many_actions", 15)
+
+
+def test_five_failures_in_a_row_end_it_but_not_five_in_all() -> None:
+    assert search(ScriptedRobot([MISSED])).run().actions == 5
+    script = [MISSED] * 4 + [HELD] + [MISSED] * 5
+    result = search(ScriptedRobot(script)).run()
+    assert (result.outcome, result.actions, result.failed_grasps) == ("too_many_failures", 10, 9)
+
+
+def test_failures_are_told_only_to_methods_that_remember_and_forgotten_after_a_success() -> None:
+    for remembers, told in ((True, [0, 1, 2, 0, 1]), (False, [0] * 5)):
+        policy = Noted()
+        robot = ScriptedRobot([MISSED, MISSED, HELD, MISSED, FOUND])
+        search(robot, policy, remembers=remembers).run()
+        assert policy.told == told
+
+
+def test_an_empty_table_ends_with_the_map_as_its_verdict() -> None:
+    result = search(ScriptedRobot([HELD], box=False)).run()
+    assert (result.outcome, result.actions, result.hidden_m3) == ("nothing_hidden", 0, 0.0)
+
+
+def test_nothing_to_grasp_is_a_typed_end() -> None:
+    assert search(ScriptedRobot([HELD]), Noted(refuses=True)).run().outcome == "nothing_to_grasp"
+
+
+def test_a_pile_that_the_arm_cannot_look_at_is_a_typed_end() -> None:
+    result = search(ScriptedRobot([HELD], blind=True)).run()
+    assert (result.outcome, result.message) == ("out_of_reach", "the arm cannot look there")
+
+
+def test_a_tag_that_is_not_located_calls_for_one_more_scan_whose_time_counts() -> None:
+    for robot, scans in (
+        (ScriptedRobot([FOUND]), 2),
+        (ScriptedRobot([FOUND], fixes=(fix(0.1, confident=False),)), 2),
+        (ScriptedRobot([FOUND], fixes=(fix(0.1),)), 1),
+    ):
+        result = search(robot).run()
+        assert robot.scans == scans
+        assert result.elapsed_s == pytest.approx(10.0 * scans + 2.0)
+
+
+def test_located_tags_are_those_before_the_first_action() -> None:
+    assert search(ScriptedRobot([FOUND], fixes=(fix(0.1),))).run().tags_located == 1
+    assert search(ScriptedRobot([FOUND], fixes=(fix(0.1, confident=False),))).run().tags_located == 0
+
+
+@dataclass
+class NotedBelief:
+    """Notes which fixes it was given."""
+
+    seen: list[dict[str, float]] = field(default_factory=list)
+
+    def believe(self, seen, target, fixes, sizes):  # type: ignore[no-untyped-def]
+        self.seen.append({epc: float(one.point_m[0]) for epc, one in fixes.items()})
+        return PaperBelief().believe(seen, target, {}, ())
+
+
+def test_a_tag_that_is_carried_away_is_forgotten() -> None:
+    belief = NotedBelief()
+    gone = GraspAttempt("held", 0.04, 2.0, epcs=(EPC,))
+    search(ScriptedRobot([gone, FOUND], fixes=(fix(0.1),)), belief=belief).run()
+    assert [len(fixes) for fixes in belief.seen] == [1, 0]
+
+
+@pytest.mark.parametrize(("x_m", "then_m"), [(0.1, 0.05), (0.4, 0.4)])
+def test_a_tag_near_a_grasp_is_where_it_is_heard_next(x_m: float, then_m: float) -> None:
+    belief = NotedBelief()
+    robot = ScriptedRobot([HELD, FOUND], fixes=(fix(x_m),), heard_later=(fix(0.05),))
+    search(robot, belief=belief).run()
+    (before,), (after,) = (list(fixes.values()) for fixes in belief.seen)
+    assert (before, after) == (x_m, then_m)
+
+
+def test_a_confident_fix_is_not_lost_to_one_that_is_not() -> None:
+    belief = NotedBelief()
+    robot = ScriptedRobot([HELD, FOUND], fixes=(fix(0.1),), heard_later=(fix(0.0, confident=False),))
+    search(robot, belief=belief).run()
+    assert list(belief.seen[1].values()) == [0.1]
+
+
+def test_an_overhead_method_looks_from_where_it_sees_all() -> None:
+    robot = ScriptedRobot([HELD, FOUND])
+    search(robot, looks=OVERHEAD, belief=None).run()
+    assert robot.heights_m[0] == OVERHEAD_M
+
+
+@pytest.mark.parametrize("belief", [PaperBelief(), PosteriorBelief(), None])
+def test_a_tag_that_no_database_knows_changes_nothing(belief: object) -> None:
+    stray = TagFix(STRAY, np.array([0.0, 0.0, 0.05]), np.full(3, 0.05), True)
+    robot = ScriptedRobot([FOUND], fixes=(stray, fix(0.1)))
+    assert search(robot, belief=belief).run().found
+
+
+@pytest.mark.parametrize("name", ["most_actions", "most_failures"])
+def test_rules_under_which_no_search_can_begin_are_refused(name: str) -> None:
+    with pytest.raises(InputError, match=name):
+        SearchRules(**{name: 0})
+
+
+def test_a_method_with_unknown_views_is_refused() -> None:
+    with pytest.raises(InputError, match="cluster, overhead"):
+        SearchMethod(name="test", policy=Noted(), looks="sideways")

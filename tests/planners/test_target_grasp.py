@@ -1,0 +1,83 @@
+"""A target in sight is grasped where that promises most, or what stands in the way first."""
+
+import numpy as np
+import pytest
+
+from planners.target_grasp import grasp_target
+from rfcompass.errors import NothingToGrasp
+from rfcompass.mapping import back_project
+from rfcompass.types import DepthView, GraspMaps, InstanceMasks
+
+H, W = 40, 60
+K = np.array([[80.0, 0, 29.5], [0, 80.0, 19.5], [0, 0, 1]])
+DOWN = np.diag([1.0, -1.0, -1.0, 1.0])
+DOWN[2, 3] = 0.6
+TARGET = np.zeros((H, W), dtype=bool)
+TARGET[15:25, 20:30] = True
+LABELS = np.where(TARGET, 1, 0)
+LABELS[15:25, 32:42] = 2  # two pixels beside it
+LABELS[0:5, 50:60] = 3  # far away
+
+
+def view(depth_m: float = 0.5) -> DepthView:
+    return DepthView(np.full((H, W), depth_m), K, DOWN)
+
+
+def grasps(**at: float) -> GraspMaps:
+    """Qualities at pixels named `r20c25`."""
+    quality = np.zeros((H, W))
+    for where, value in at.items():
+        row, column = where[1:].split("c")
+        quality[int(row), int(column)] = value
+    flat = np.zeros((H, W))
+    return GraspMaps(quality, flat, flat + 0.04, flat + 0.02)
+
+
+def go(maps: GraspMaps, **more):
+    return grasp_target(more.pop("view", view()), TARGET, InstanceMasks(LABELS), maps, **more)
+
+
+def place_m(row: int, column: int) -> np.ndarray:
+    only = np.zeros((H, W), dtype=bool)
+    only[row, column] = True
+    return back_project(view(), only)[0]
+
+
+def test_the_best_pixel_of_the_target_is_taken() -> None:
+    action, on_target = go(grasps(r20c25=0.6, r18c22=0.8, r20c36=0.99))
+    assert on_target
+    assert action.mask_label == 1
+    assert action.T_world_hand[:2, 3] == pytest.approx(place_m(18, 22)[:2])
+    assert action.score == 0.8
+
+
+def test_what_stands_beside_a_target_that_cannot_be_grasped_goes_first() -> None:
+    action, on_target = go(grasps(r20c25=0.05, r20c36=0.6, r2c55=0.9))
+    assert not on_target
+    assert action.mask_label == 2
+
+
+def test_a_poor_grasp_of_the_target_is_tried_where_nothing_better_is_near() -> None:
+    action, on_target = go(grasps(r20c25=0.05, r20c36=0.1, r2c55=0.9))
+    assert on_target
+    assert action.T_world_hand[:2, 3] == pytest.approx(place_m(20, 25)[:2])
+
+
+def test_where_a_grasp_failed_none_is_tried_again_near_it() -> None:
+    maps = grasps(r20c25=0.9, r16c21=0.4)
+    first, _ = go(maps)
+    second, _ = go(maps, failed_m=[first.T_world_hand[:3, 3]])
+    assert second.T_world_hand[:2, 3] == pytest.approx(place_m(16, 21)[:2])
+
+
+def test_without_any_grasp_its_middle_is_taken() -> None:
+    action, on_target = go(grasps())
+    assert on_target
+    assert np.abs(action.T_world_hand[:2, 3] - place_m(19, 24)[:2]).max() < 0.01
+
+
+def test_a_target_without_a_depth_is_nothing_to_grasp() -> None:
+    depth_m = np.full((H, W), 0.5)
+    depth_m[TARGET] = np.nan
+    with pytest.raises(NothingToGrasp, match="100 pixels"):
+        go(grasps(), view=DepthView(depth_m, K, DOWN))

@@ -1,0 +1,61 @@
+"""The studies of whole searches: rows have what they declare, differences are those of their own row."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
+
+from simulation.pile_scenes import tiny
+
+from rfcompass.studies import searches
+from rfcompass.studies.search_figures import SEARCH_LEVELS, SEARCH_TAGS
+from rfcompass.studies.search_methods import METHODS
+from rfcompass.studies.searches import ARMS, KNOWN, LOST, PAIRS, SEARCHES, Arm, metrics_of, row_of
+
+FEW = {"ours": Arm("ours"), KNOWN: Arm(KNOWN), "elsewhere": Arm("fusebot", 1, "other_pile")}
+
+
+@pytest.fixture(scope="module")
+def row():
+    patch = pytest.MonkeyPatch()
+    patch.setattr(searches, "pile_scene", lambda family, seed: tiny())
+    try:
+        return row_of("tiny", 1, FEW, (("ours", KNOWN), ("ours", "elsewhere")))
+    finally:
+        patch.undo()
+
+
+def test_a_row_has_what_its_metrics_declare_and_each_value_fits(row):
+    declared = {metric.name: metric for metric in metrics_of(FEW, (("ours", KNOWN), ("ours", "elsewhere")))}
+    assert set(row) == set(declared)
+    for name, value in row.items():
+        declared[name].stored(value)
+
+
+def test_a_difference_is_that_of_the_actions_where_a_failure_counts_sixteen(row):
+    assert row["less_ours_known"] == row["all_ours"] - row["all_known"]
+    for arm in ("ours", KNOWN):
+        assert row[f"all_{arm}"] == (row[f"actions_{arm}"][0] if row[f"found_{arm}"] else LOST)
+
+
+def test_a_way_whose_tags_cannot_be_has_no_value_and_says_why(row):
+    assert row["ended_elsewhere"] == "PileError"
+    assert row["all_elsewhere"] is None
+    assert row["less_ours_elsewhere"] is None
+
+
+def test_grasps_are_counted_one_by_one(row):
+    assert all(value in (0.0, 1.0) for value in row["grasps_ours"])
+    assert row["removed_ours"] <= sum(row["grasps_ours"])
+
+
+@pytest.mark.parametrize("study", [SEARCHES, SEARCH_LEVELS, SEARCH_TAGS], ids=lambda study: study.name)
+def test_no_seed_serves_for_choosing_and_reporting(study):
+    assert not set(study.seeds) & set(study.tuning_seeds)
+    assert min(study.seeds) >= 1000
+
+
+def test_arms_are_known_ways_and_pairs_are_of_arms():
+    assert {arm.way for arm in ARMS.values()} <= {*METHODS, KNOWN}
+    assert {name for pair in PAIRS for name in pair} <= set(ARMS)
+    assert np.all([arm.tags >= 0 for arm in ARMS.values()])

@@ -1,0 +1,118 @@
+"""Whole searches in small piles, through camera, masks, grasps and physics."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
+
+from simulation.pile_scenes import tiny
+
+from rfcompass.errors import InputError
+from rfcompass.studies.search_film import film_of
+from rfcompass.studies.search_methods import METHODS, search_method
+from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
+
+SEED = 1
+
+
+def task(**more):
+    scene = tiny()
+    return SearchTask(scene, tagged_items_of(scene, "any", more.pop("tags", 0), SEED), SEED, spacing_m=0.02, **more)
+
+
+def begin(name, **more):
+    one = task(**more)
+    return SearchRun.of(one, search_method(name, one.tags.target_size, SEED))
+
+
+@cache
+def finished(name):
+    run = begin(name)
+    return run, run.run()
+
+
+def test_a_small_pile_is_searched_to_a_typed_end_and_the_accounts_agree():
+    run, result = finished("ours")
+    assert result.outcome in ("found", "too_many_actions", "too_many_failures")
+    assert result.found == (run.task.scene.target in run.robot.taken)
+    assert len(run.robot.taken) >= result.actions - result.failed_grasps
+    assert result.elapsed_s == pytest.approx(sum(motion.duration_s for _, motion in run.robot.motions))
+    assert [step.elapsed_s for step in result.steps] == sorted(step.elapsed_s for step in result.steps)
+
+
+def test_the_same_search_gives_the_same_answer():
+    _, one = finished("ours")
+    other = begin("ours").run()
+    assert [step.action.T_world_hand.tolist() for step in one.steps] == [
+        step.action.T_world_hand.tolist() for step in other.steps
+    ]
+    assert (one.outcome, one.elapsed_s, one.hidden_m3) == (other.outcome, other.elapsed_s, other.hidden_m3)
+
+
+def test_methods_see_the_same_scan_of_the_same_pile():
+    first = [begin(name).robot.scan() for name in ("ours", "xray")]
+    for one, other in zip(first[0].views, first[1].views, strict=True):
+        assert np.array_equal(one.depth_m, other.depth_m, equal_nan=True)
+
+
+def test_a_target_that_is_not_there_is_not_found():
+    result = begin("ours", absent=True).run()
+    assert not result.found
+    assert result.outcome != "found"
+    assert all(not step.attempt.shows_target for step in result.steps)
+
+
+def test_true_masks_are_those_of_the_views_that_were_taken():
+    run = begin("ours", segmenter=None)
+    view = run.robot.scan().views[-1]
+    masks = run.robot.true_masks(view)
+    numbers = {item.number for item in run.task.scene.items}
+    assert set(np.unique(masks.labels)) <= {0, *numbers}
+    with pytest.raises(ValueError, match="did not take"):
+        run.robot.true_masks(replace(view))
+
+
+def test_tags_are_dealt_once_for_all_methods_and_as_many_as_there_are_items():
+    scene = tiny()
+    one, other = (tagged_items_of(scene, "any", 50, SEED) for _ in range(2))
+    assert [(tag.epc, tag.number) for tag in one.tags] == [(tag.epc, tag.number) for tag in other.tags]
+    taggable = [item for item in scene.items if item.taggable and item.number != scene.target]
+    assert len(one.tags) == len(taggable)
+    with pytest.raises(InputError, match="-1 tags"):
+        tagged_items_of(scene, "any", -1, SEED)
+
+
+def test_a_tag_that_comes_into_the_drop_zone_answers_there():
+    run = begin("largest", tags=50)
+    result = run.run()
+    epcs = {tag.number: tag.epc for tag in run.task.tags.tags}
+    heard = [epc for step in result.steps for epc in step.attempt.epcs]
+    assert sorted(heard) == sorted(epcs[number] for number in run.robot.taken if number in epcs)
+    assert not set(heard) & set(run.search._fixes)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_can_be_made_and_knows_its_name(name):
+    target = task().tags.target_size
+    assert search_method(name, target).name == name
+
+
+def test_an_unknown_method_is_refused_with_those_that_are_known():
+    with pytest.raises(InputError, match="fusebot"):
+        search_method("best", task().tags.target_size)
+
+
+def test_the_film_has_every_change_of_the_table_and_every_grasp():
+    run, result = finished("ours")
+    film = film_of(run, result)
+    assert len(film.grasps) == result.actions
+    assert (
+        len(film.piles)
+        == len(run.robot.tables)
+        == 1 + sum(step.attempt.outcome != "unreachable" for step in result.steps)
+    )
+    assert np.all(np.diff(film.times_s) > 0)
+    assert film.times_s[-1] <= result.elapsed_s + 1e-6
