@@ -170,7 +170,8 @@ class PileSearch:
         if found is None or not len(found.points_m):
             return None
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        action, on_target = grasp_target(view, found.pixels, masks, grasps, self._failed_m)
+        table_m = self.workspace.table_m
+        action, on_target = grasp_target(view, found.pixels, masks, grasps, self._failed_m, table_m)
         return self._act(view, masks, None, action, on_target=on_target)
 
     def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:

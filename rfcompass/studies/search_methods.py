@@ -14,6 +14,7 @@ from planners.extraction import (
     RandomPolicy,
     XRayPolicy,
 )
+from planners.extraction.layers import LayerRules
 from planners.search_beliefs import Belief, OwnTag, PaperBelief, PosteriorBelief
 from planners.search_method import OVERHEAD, WHOLE_VIEW_M, SearchMethod
 from rfcompass.errors import InputError
@@ -38,6 +39,12 @@ def search_method(name: str, target: ItemSize, seed: int = 0) -> SearchMethod:
     return METHODS[name](target, seed)
 
 
+def our_policy(target: ItemSize) -> FewestActionsPolicy:
+    """Our policy with the numbers that were chosen on tuning seeds, see docs/extraction.md."""
+    layers = LayerRules(thickness_m=0.01, spacing_m=0.01)
+    return FewestActionsPolicy(target_m=target.size_m, gate=True, removals=1, trust=0.3, layers=layers)
+
+
 def _with_own_tag(belief: Belief, target: ItemSize) -> Belief:
     return belief if target.epc is None else OwnTag(epc=target.epc, otherwise=belief)
 
@@ -55,6 +62,7 @@ def _fusebot_equal(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         name="fusebot_equal",
         policy=FuseBotPolicy(),
         belief=_with_own_tag(PaperBelief(), target),
+        looks=OVERHEAD,
         update_edge_m=WHOLE_VIEW_M,
         remembers=True,
     )
@@ -65,6 +73,7 @@ def _fusebot_posterior(target: ItemSize, seed: int) -> SearchMethod:  # noqa: AR
         name="fusebot_posterior",
         policy=FuseBotPolicy(),
         belief=_with_own_tag(PosteriorBelief(), target),
+        looks=OVERHEAD,
         update_edge_m=WHOLE_VIEW_M,
         remembers=True,
     )
@@ -90,8 +99,9 @@ def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
 def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
     return SearchMethod(
         name="ours",
-        policy=FewestActionsPolicy(target_m=target.size_m),
+        policy=our_policy(target),
         belief=_with_own_tag(PosteriorBelief(), target),
+        looks=OVERHEAD,
         update_edge_m=WHOLE_VIEW_M,
         remembers=True,
     )
