@@ -1,6 +1,7 @@
-"""A target in sight: grasp it, or first what stands in the way of that [Boroushaki2023], sections 4.5.2 and 5."""
+"""Grasps of a given object: of a target in sight [Boroushaki2023], sections 4.5.2 and 5, or of one chosen from afar."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import ndimage
@@ -14,6 +15,8 @@ from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMask
 
 # Ours. Below the first, a target is not worth a try while a neighbour can be taken; how far off that may be [pixel].
 _WORTH, _BESIDE_PX = 0.15, 6
+# Ours: an object so near to where a grasp was chosen, seen from above, is the one that it was chosen for [m].
+_SAME_M = 0.02
 
 
 def grasp_target(
@@ -57,6 +60,40 @@ def grasp_target(
             return _action(grasp_at_pixel(view, grasps, *other), int(masks.labels[other]), float(quality[other])), False
     placed = grasp_at_pixel(view, grasps, *own) if quality[own] > 0 else grasp_across(view, seen, table_m)
     return _action(placed, int(masks.labels[own]), float(quality[own])), True
+
+
+def grasp_again(
+    action: ExtractionAction,
+    view: DepthView,
+    masks: InstanceMasks,
+    grasps: GraspMaps,
+    failed_m: Sequence[FloatArray] = (),
+) -> ExtractionAction:
+    """Choose the grasp of an object anew in another image, one from nearer.
+
+    Args:
+        action: What was chosen in the first image.
+        view: The second one.
+        masks: Its objects.
+        grasps: The best grasp at each of its pixels.
+        failed_m: Where grasps have failed, in the world [m], shape (3,) each.
+
+    Returns:
+        The best grasp on the object that the second image shows where the first grasp was, with the scores and the
+        label of the first; the first action itself where there is no such object, or no grasp on it.
+    """
+    points_m = points_image(view)
+    off_m = np.linalg.norm(points_m[..., :2] - action.T_world_hand[:2, 3], axis=2)
+    off_m = np.where(np.isfinite(off_m) & (masks.labels > 0), off_m, np.inf)
+    nearest = np.unravel_index(int(off_m.argmin()), off_m.shape)
+    if not off_m[nearest] < _SAME_M:
+        return action
+    quality = grasps.quality * tried_before(points_m, masks, failed_m)
+    best = _best(quality, (masks.labels == masks.labels[nearest]) & np.isfinite(view.depth_m))
+    if not quality[best] > 0:
+        return action
+    T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *best)
+    return replace(action, T_world_hand=T_world_hand, aperture_m=aperture_m)
 
 
 def _best(quality: FloatArray, pixels: BoolArray) -> tuple[int, int]:

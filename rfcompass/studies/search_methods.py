@@ -5,6 +5,7 @@ updates of the map and the memory of failures that our own method has, so that o
 """
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from planners.extraction import (
     FewestActionsPolicy,
@@ -20,6 +21,13 @@ from planners.search_method import OVERHEAD, WHOLE_VIEW_M, SearchMethod
 from rfcompass.errors import InputError
 from rfcompass.types import ItemSize
 
+# Choose from where one image shows all, grasp from near, look again at all that a view shows, remember failures.
+_OUR_VIEWS: Mapping[str, Any] = {
+    "looks": OVERHEAD,
+    "looks_closer": True,
+    "update_edge_m": WHOLE_VIEW_M,
+    "remembers": True,
+}
 Maker = Callable[[ItemSize, int], SearchMethod]
 
 
@@ -62,9 +70,7 @@ def _fusebot_equal(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         name="fusebot_equal",
         policy=FuseBotPolicy(),
         belief=_with_own_tag(PaperBelief(), target),
-        looks=OVERHEAD,
-        update_edge_m=WHOLE_VIEW_M,
-        remembers=True,
+        **_OUR_VIEWS,
     )
 
 
@@ -73,9 +79,7 @@ def _fusebot_posterior(target: ItemSize, seed: int) -> SearchMethod:  # noqa: AR
         name="fusebot_posterior",
         policy=FuseBotPolicy(),
         belief=_with_own_tag(PosteriorBelief(), target),
-        looks=OVERHEAD,
-        update_edge_m=WHOLE_VIEW_M,
-        remembers=True,
+        **_OUR_VIEWS,
     )
 
 
@@ -90,8 +94,8 @@ def _spherical(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
 def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
     def make(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         policy = XRayPolicy(target_m=target.size_m, gate=gate, remembers=equal)
-        edge = {"update_edge_m": WHOLE_VIEW_M} if equal else {}
-        return SearchMethod(name=name, policy=policy, belief=None, looks=OVERHEAD, remembers=equal, **edge)
+        views = _OUR_VIEWS if equal else {"looks": OVERHEAD}
+        return SearchMethod(name=name, policy=policy, belief=None, **views)
 
     return make
 
@@ -101,9 +105,7 @@ def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         name="ours",
         policy=our_policy(target),
         belief=_with_own_tag(PosteriorBelief(), target),
-        looks=OVERHEAD,
-        update_edge_m=WHOLE_VIEW_M,
-        remembers=True,
+        **_OUR_VIEWS,
     )
 
 
