@@ -15,7 +15,6 @@ from planners.extraction import (
     RandomPolicy,
     XRayPolicy,
 )
-from planners.extraction.layers import LayerRules
 from planners.search_beliefs import Belief, OwnTag, PaperBelief, PosteriorBelief
 from planners.search_method import OVERHEAD, WHOLE_VIEW_M, SearchMethod
 from rfcompass.errors import InputError
@@ -45,12 +44,6 @@ def search_method(name: str, target: ItemSize, seed: int = 0) -> SearchMethod:
     if name not in METHODS:
         raise InputError(f"no way of searching is called {name!r}; known: {', '.join(METHODS)}", known=list(METHODS))
     return METHODS[name](target, seed)
-
-
-def our_policy(target: ItemSize) -> FewestActionsPolicy:
-    """Our policy with the numbers that were chosen on tuning seeds, see docs/extraction.md."""
-    layers = LayerRules(thickness_m=0.01, spacing_m=0.01)
-    return FewestActionsPolicy(target_m=target.size_m, gate=True, removals=1, trust=0.3, layers=layers)
 
 
 def _with_own_tag(belief: Belief, target: ItemSize) -> Belief:
@@ -103,7 +96,7 @@ def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
 def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
     return SearchMethod(
         name="ours",
-        policy=our_policy(target),
+        policy=FewestActionsPolicy(target_m=target.size_m, gate=True, removals=1),
         belief=_with_own_tag(PosteriorBelief(), target),
         **_OUR_VIEWS,
     )
