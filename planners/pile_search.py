@@ -102,6 +102,10 @@ class PileSearch:
     _located: int = field(init=False, repr=False, default=0)
     _in_sight: PileLook | None = field(init=False, repr=False, default=None)
 
+    def __post_init__(self) -> None:
+        """Begin with nothing seen."""
+        self._seen = VisualMap.empty(self.workspace)
+
     def run(self) -> SearchResult:
         """Search to the end, whatever that is."""
         try:
