@@ -9,7 +9,7 @@ from planners.ik import IkRules, InverseKinematics
 from planners.path_timing import in_time
 from planners.pile_arm import ArmMotion, PileArm, link_poses
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NoAnswer, OutOfReach
+from rfcompass.errors import NoAnswer, OutOfReach, PileError
 from rfcompass.robots import load_robot
 from rfcompass.simulation import AntennaTrack, inventory_scan
 from rfcompass.simulation.piles import PileCamera, PileScene, PileWorld, TaggedItems, grasp_item, hear_tags
@@ -166,7 +166,10 @@ class SimulatedPileRobot:
         wanted = [epc for epc in there if epcs is None or epc in epcs]
         if not wanted:
             return ()
-        scan, fixes = inventory_scan(hear_tags(self.world, self.tags, track, rng), wanted, FRAME), []
+        try:
+            scan, fixes = inventory_scan(hear_tags(self.world, self.tags, track, rng), wanted, FRAME), []
+        except PileError:  # all of them have rolled off the table
+            return ()
         for epc in wanted:
             try:
                 fixes.append(PILE_SAR.locate(scan.traces[epc], SEARCH))
