@@ -40,8 +40,7 @@ def pile_arm() -> PileArm:
 class SimulatedPileRobot:
     """A `PileRobot` over a scene; changes its world as it works.
 
-    Noise of one motion depends on the seed and on how many grasps there were before, not on what else was done: two
-    methods that do the same see the same.
+    Noise follows from the seed and from what was done so far: two methods that have done the same see the same.
 
     Args:
         scene: The pile; truth.
