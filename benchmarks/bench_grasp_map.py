@@ -7,6 +7,7 @@ lines as one array, for each depth the sides by `argmax` along it. It fills the 
 """
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -87,6 +88,7 @@ def numpy_map(view: DepthView, quality: AntipodalQuality) -> FloatArray:
     standing = image_m[..., 2] > quality.standing_m
     p, heights = image_m[standing], height_map(view, standing, quality.cell_m)
     best = np.full(len(p), -np.inf)
+    shown = replace(heights, heights_m=np.where(heights.seen, 0.0, np.inf))
     rays, rises = surroundings(heights, p)
     chords, steps = rays[:, :8] + rays[:, 8:], np.arange(STEPS) * STEP_M
     along = np.array([steps, -steps])[:, None, :] + np.zeros((2, 5, STEPS))
@@ -94,12 +96,11 @@ def numpy_map(view: DepthView, quality: AntipodalQuality) -> FloatArray:
         lines = jaw_heights(heights, p, angle, along, LINES_M[:, None] + np.zeros((2, 5, STEPS)))
         palm = jaw_heights(heights, p, angle, *np.meshgrid(np.arange(-3, 4) * 0.02, np.arange(-1, 2) * 0.02))
         top = np.where(np.isfinite(palm), palm, -np.inf).max(axis=(1, 2))
-        across = round((angle + np.pi / 2) / (np.pi / 8)) % 16
-        offset = (rays[:, across] - rays[:, (across + 8) % 16]) / 2
-        around = np.stack([rises.mean(axis=1), chords.max(axis=1), chords.min(axis=1), offset, top])
+        around = np.stack([rises.mean(axis=1), chords.max(axis=1), chords.min(axis=1), top])
+        hidden = np.isinf(jaw_heights(shown, p, angle, along, LINES_M[:, None] + np.zeros((2, 5, STEPS))))
         best = np.maximum(best, pinches(p, lines, around, quality))
         for wished in quality.depths_m:
-            best = np.maximum(best, closings(p, lines, around, wished, quality))
+            best = np.maximum(best, closings(p, lines, hidden, around, wished, quality))
     log_odds = np.full(standing.shape, -np.inf)
     log_odds[standing] = best
     return log_odds
@@ -112,7 +113,7 @@ def pinches(p: FloatArray, lines: FloatArray, around: FloatArray, quality: Antip
         uneven = part.max(axis=(1, 2, 3)) - part.min(axis=(1, 2, 3))
         tops = part[..., 6:].max(axis=(2, 3))
         tilt = np.abs(tops[:, 0] - tops[:, 1])
-    palm = np.clip((p[:, 2] - 0.006 + quality.jaws.palm_m - around[4]) / 0.02, -1, 1)
+    palm = np.clip((p[:, 2] - 0.006 + quality.jaws.palm_m - around[3]) / 0.01, -1, 1)
     numbers = [uneven / 0.01, tilt / 0.01, around[1] / 0.2, around[2] / 0.15, around[0], palm]
     with np.errstate(invalid="ignore"):
         log_odds = np.stack(numbers, axis=-1) @ quality.pinching[:-1] + quality.pinching[-1]
@@ -120,7 +121,12 @@ def pinches(p: FloatArray, lines: FloatArray, around: FloatArray, quality: Antip
 
 
 def closings(
-    p: FloatArray, lines: FloatArray, around: FloatArray, wished: float, quality: AntipodalQuality
+    p: FloatArray,
+    lines: FloatArray,
+    hidden: FloatArray,
+    around: FloatArray,
+    wished: float,
+    quality: AntipodalQuality,
 ) -> FloatArray:
     """Log-odds of closings at one angle and depth, (N,)."""
     jaws, cone = quality.jaws, np.arctan(quality.friction)
@@ -146,16 +152,16 @@ def closings(
         for n in (2, 1, 0)
     )
     numbers = [
-        np.minimum((tip - under) / 0.01, 1.0),
+        np.minimum((tip - under) / 0.005, 1.0),
         skew / cone,
         (ends > reach[:, :, None] - 0.005).mean(axis=2).min(axis=1),
-        np.minimum((np.maximum(rim, edge) - tip[:, None]).min(axis=1), 0.04) / 0.02,
-        np.minimum((rim - foot).min(axis=1), 0.02) / 0.01,
+        np.minimum((np.maximum(rim, edge) - tip[:, None]).min(axis=1), 0.01) / 0.01,
+        np.minimum((rim - foot).min(axis=1), 0.01) / 0.01,
         width / jaws.opening_m,
         np.abs(reach[:, 0] - reach[:, 1]) / 2 / 0.01,
-        np.minimum(np.abs(around[3]) / 0.04, 1.5),
+        unseen(hidden, half, jaws.thickness_m),
         around[0],
-        np.clip((tip + jaws.palm_m - around[4]) / 0.02, -1, 1),
+        np.clip((tip + jaws.palm_m - around[3]) / 0.01, -1, 1),
     ]
     with np.errstate(invalid="ignore"):
         log_odds = np.stack(numbers, axis=-1) @ quality.closing[:-1] + quality.closing[-1]
@@ -164,10 +170,22 @@ def closings(
 
 def under_fingers(lines: FloatArray, half: FloatArray, thickness_m: float) -> FloatArray:
     """Highest thing where the fingers come down, (N,)."""
+    there = finger_steps(half, thickness_m)
+    return np.where(there[:, None, None], lines, -np.inf).max(axis=(1, 2, 3))
+
+
+def unseen(hidden: FloatArray, half: FloatArray, thickness_m: float) -> FloatArray:
+    """Share of the ground under a finger that no pixel showed, of the side with more, (N,)."""
+    there = finger_steps(half, thickness_m)
+    counts = (hidden & there[:, None, None]).sum(axis=(2, 3))
+    return counts.max(axis=1) / np.maximum(5 * there.sum(axis=1), 1)
+
+
+def finger_steps(half: FloatArray, thickness_m: float) -> FloatArray:
+    """Which steps a finger covers, (N, 25)."""
     first, last = np.ceil(half / STEP_M - 1e-6), np.ceil((half + thickness_m) / STEP_M - 1e-6)
     k = np.arange(STEPS)
-    there = (k >= first[:, None]) & (k <= np.minimum(last, STEPS - 1)[:, None])
-    return np.where(there[:, None, None], lines, -np.inf).max(axis=(1, 2, 3))
+    return (k >= first[:, None]) & (k <= np.minimum(last, STEPS - 1)[:, None])
 
 
 def skewness(falls: FloatArray) -> FloatArray:
