@@ -1,4 +1,7 @@
-"""Take the pictures of docs/own_robot.md and piles.md: python docs/take_pictures.py, from the project's folder; needs a Chromium."""
+"""Take the pictures of docs/own_robot.md, piles.md and search.md: python docs/take_pictures.py, from the project's folder.
+
+Needs a Chromium.
+"""
 
 import runpy
 import tempfile
@@ -8,8 +11,12 @@ import numpy as np
 
 from planners import GraspPlanner
 from rfcompass import PartDatabase, PartEstimate, YouBot, view
+from rfcompass.simulation.piles import make_pile
+from rfcompass.studies.search_methods import search_method
+from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
 from rfcompass.types import Body, Box, World
 from rfcompass.viz.screenshot import take_picture
+from rfcompass.viz.search_report import draw_decision
 
 END_S = 3600.0  # later than any motion: a page then stops at its end
 IMAGES = Path(__file__).parent / "images"
@@ -22,6 +29,7 @@ def main() -> None:
         take_picture(out / "my_ur5e.html", IMAGES / "own_robot.png", (1000, 560), at_s=END_S)
         runpy.run_path("examples/20_a_pile.py")["main"](out=out)
         take_picture(out / "pile.html", IMAGES / "pile.png", (800, 500))
+        draw_search(IMAGES / "search.png")
         page = view_youbot().save(out / "youbot.html")
         take_picture(page, IMAGES / "grasp_view.png", (1000, 560), at_s=END_S)
 
@@ -39,6 +47,14 @@ def view_youbot():
     world = World((Body("crate", Box([0.2, 0.2, 0.2]), T_base_crate),))
     plan = GraspPlanner(robot).plan(leg, estimate, world)
     return view(robot, estimate, plan, part=leg, world=world)
+
+
+def draw_search(path):
+    """The first decision of a search in a small pile."""
+    scene = make_pile("poured_1p10", 3, "hidden")
+    tags = tagged_items_of(scene, "any", 0, 3)
+    run = SearchRun.of(SearchTask(scene, tags, 3), search_method("ours", tags.target_size))
+    draw_decision(next(iter(run.search.steps()))).savefig(path, dpi=110)
 
 
 if __name__ == "__main__":

@@ -38,12 +38,15 @@ LINES, MIDDLE, _APART_M, _STEP_M, STEPS = 5, 2, 0.005, 0.0025, 25
 _SIDE_M, LEAST_M = 0.002, 0.006
 # A finger that would come to lie so far within what was seen is stopped for certain [m].
 _BURIED_M = -0.015
+# Ours: a palm that would be so far in what is seen under it is stopped there; in room under it, of 10 mm.
+_PALM_STOPS = -0.5
 # A rise or fall that ends a surface, over which way, how far it is followed [m, m, steps], and in how many directions.
 _JUMP_M, _RAY_M, _RAY_STEPS, RAYS = 0.008, 0.004, 30, 16
 # A pinch: jaws as for something so wide, tips so far below the surface, how uneven it may be [m]; the tips are
 # between these steps to either side.
 PINCH_WIDTH_M, PINCH_DEPTH_M, _UNEVEN_M, _PINCH_INNER, _PINCH_STEPS = 0.010, 0.006, 0.012, 6, 11
-_PALM_M = 0.02  # between places that are looked at under the palm
+_PALM_M = 0.0125  # between places that are looked at under the palm; ours: they reach a little beyond its edges
+_BESIDE_PALM_M = 0.008
 
 
 class Grid(NamedTuple):
@@ -159,7 +162,8 @@ def closing_numbers(grid: Grid, spot: Spot, depth: float, claw: Claw, numbers: F
     """Numbers `CLOSING` of a grasp; from one call to the next at the same spot depths must grow.
 
     Returns:
-        What the jaws close on [m]; -1 if it is wider than the hand, or out of its middle, or skew beyond the cone.
+        What the jaws close on [m]; -1 if it is wider than the hand, or out of its middle, or skew beyond the cone,
+        or the palm would be stopped.
     """
     tip = spot.point[2] - depth
     if not _is_between(spot, tip, claw):
@@ -171,7 +175,8 @@ def closing_numbers(grid: Grid, spot: Spot, depth: float, claw: Claw, numbers: F
     width, skew = left + right, max(_skew(spot.falls, 0), _skew(spot.falls, 1))
     half = min(width + claw.room, claw.opening) / 2
     under = _under_fingers(spot.profile, half, claw.thickness, (0, LINES))
-    if max(left, right) > half or skew > claw.cone or tip - under <= _BURIED_M:
+    palm = _palm_room(tip, spot, claw)
+    if max(left, right) > half or skew > claw.cone or tip - under <= _BURIED_M or palm <= _PALM_STOPS:
         return -1.0
     numbers[0], numbers[1] = min((tip - under) / 0.005, 1.0), skew / claw.cone
     numbers[2] = min(_contact(spot.falls, 0, left), _contact(spot.falls, 1, right))
@@ -181,7 +186,7 @@ def closing_numbers(grid: Grid, spot: Spot, depth: float, claw: Claw, numbers: F
     numbers[4] = min(steep_l, steep_r, 0.01) / 0.01
     numbers[5], numbers[6] = width / claw.opening, abs(left - right) / 2 / 0.01
     numbers[7] = max(_unseen(grid, spot, 0, half, claw), _unseen(grid, spot, 1, half, claw))
-    numbers[8], numbers[9] = spot.around[0], _palm_room(tip, spot, claw)
+    numbers[8], numbers[9] = spot.around[0], palm
     return float(width)
 
 
@@ -284,14 +289,14 @@ def _unevenness(spot: Spot, first: int, last: int) -> float:
 
 @numba.njit(cache=True)
 def pinching_numbers(spot: Spot, claw: Claw, numbers: FloatArray) -> bool:
-    """Numbers `PINCHING`, the rest 0; False if the surface is not even enough."""
-    uneven = _unevenness(spot, 0, LINES)
-    if not uneven < _UNEVEN_M:
+    """Numbers `PINCHING`, the rest 0; False if the surface is not even enough, or stops the palm."""
+    uneven, palm = _unevenness(spot, 0, LINES), _palm_room(spot.point[2] - PINCH_DEPTH_M, spot, claw)
+    if not uneven < _UNEVEN_M or palm <= _PALM_STOPS:
         return False
     numbers[:] = 0.0
     numbers[0], numbers[1] = uneven / 0.01, _tilt(spot) / 0.01
     numbers[2], numbers[3], numbers[4] = spot.around[1] / 0.2, spot.around[2] / 0.15, spot.around[0]
-    numbers[5] = _palm_room(spot.point[2] - PINCH_DEPTH_M, spot, claw)
+    numbers[5] = palm
     return True
 
 
@@ -330,7 +335,8 @@ def look_around(grid: Grid, spot: Spot, rays: FloatArray, claw: Claw) -> None:
         chord = rays[0, n] + rays[0, n + half]
         around[1], around[2] = max(around[1], chord), min(around[2], chord)
         around[0] += (rays[1, n] + rays[1, n + half]) / RAYS
-    long, wide = int(claw.palm_along / _PALM_M + 0.5), int(claw.palm_across / _PALM_M + 0.5)
+    long = int((claw.palm_along + _BESIDE_PALM_M) / _PALM_M + 0.5)
+    wide = int((claw.palm_across + _BESIDE_PALM_M) / _PALM_M + 0.5)
     for i in range(-long, long + 1):
         for j in range(-wide, wide + 1):
             along, across_m = i * _PALM_M, j * _PALM_M

@@ -128,7 +128,7 @@ class PileSearch:
         """
         self._scan()
         while len(self._done) < self.rules.most_actions and self._failures < self.rules.most_failures:
-            step = self._target_step() or self._removal_step()
+            step = self._step()
             self._done.append(step)
             self._after(step)
             yield step
@@ -154,22 +154,27 @@ class PileSearch:
             if fix.confident or epc not in self._fixes:
                 self._fixes[epc] = fix
 
-    def _target_step(self) -> SearchStep | None:
-        """Grasp the target if the last look shows it."""
-        if (middle_m := self._target_in_sight()) is None:
-            return None
-        view = self.robot.look(middle_m, NEAR_M).views[0]
-        again = find_visible_target(view, self.rules.target_colour)
-        if again is None or not np.isfinite(view.depth_m[again.pixels]).any():
-            return None
-        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        action, on_target = grasp_target(view, again.pixels, masks, grasps, self._failed_m)
-        return self._act(view, masks, None, action, on_target=on_target)
-
-    def _removal_step(self) -> SearchStep:
-        """Take off what the policy chooses."""
+    def _step(self) -> SearchStep:
+        """Grasp the target if it is in sight; else take off what the policy chooses."""
+        if (middle_m := self._target_in_sight()) is not None:
+            step = self._target_step(self.robot.look(middle_m, NEAR_M).views[0])
+            if step is not None:
+                return step
         grid = self._believed()
         view = self._view_of(grid)
+        return self._target_step(view) or self._removal_step(view, grid)
+
+    def _target_step(self, view: DepthView) -> SearchStep | None:
+        """Grasp the target if this view shows it."""
+        found = find_visible_target(view, self.rules.target_colour)
+        if found is None or not len(found.points_m):
+            return None
+        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
+        action, on_target = grasp_target(view, found.pixels, masks, grasps, self._failed_m)
+        return self._act(view, masks, None, action, on_target=on_target)
+
+    def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:
+        """Take off what the policy chooses."""
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         failed = self._failed_m if self.method.remembers else ()
         action = self.method.policy.choose(grid, view, masks, grasps, failed)

@@ -19,6 +19,7 @@ import numpy as np
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import TraceError
 from rfcompass.files import atomic_folder
+from rfcompass.recordings.result_folder import check_place, is_described
 from rfcompass.recordings.trace import Trace
 from rfcompass.recordings.trace_store import write_trace
 
@@ -52,13 +53,7 @@ class Run:
 
 def is_run(path: Path) -> bool:
     """True if a folder holds a run: a `run.json` of our schema, and nothing that a run does not leave."""
-    if not (path / RUN_FILE).is_file() or any(not _left_by_a_run(entry.name) for entry in path.iterdir()):
-        return False
-    try:
-        described = json.loads((path / RUN_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    return isinstance(described, dict) and described.get("schema") == RUN_SCHEMA
+    return is_described(path, RUN_FILE, RUN_SCHEMA, lambda entry: _left_by_a_run(entry.name))
 
 
 def _left_by_a_run(name: str) -> bool:
@@ -92,11 +87,7 @@ def check_target(path: str | Path, *, overwrite: bool) -> None:
     Raises:
         TraceError: If something is there that must not be replaced; carries `path`.
     """
-    target = Path(path)
-    if not target.exists() or (target.is_dir() and (not any(target.iterdir()) or (overwrite and is_run(target)))):
-        return
-    what = "a run; overwriting was not asked for" if is_run(target) else "something else than a run"
-    raise TraceError(f"{target}: holds {what}", path=str(target))
+    check_place(path, "run", is_run, overwrite=overwrite)
 
 
 def write_run_files(run: Run, folder: Path) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 
 from rfcompass.errors import TraceError
 from rfcompass.files import atomic_folder
+from rfcompass.recordings.result_folder import check_place, is_described
 from rfcompass.recordings.run_folder import EVENTS_FILE
 
 SEARCH_FILE, FILM_FILE, REPORT_FILE, PILE_FILE = "search.json", "view.html", "report.html", "pile.json"
@@ -65,15 +66,7 @@ def write_search(search: StoredSearch, path: str | Path, *, overwrite: bool = Fa
 
 def is_search(path: Path) -> bool:
     """True if a folder holds a search: a `search.json` of our schema, and nothing that a search does not leave."""
-    if not (path / SEARCH_FILE).is_file():
-        return False
-    if any(entry.name not in _KNOWN and entry.suffix != ".png" for entry in path.iterdir()):
-        return False
-    try:
-        described = json.loads((path / SEARCH_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    return isinstance(described, dict) and described.get("schema") == SEARCH_SCHEMA
+    return is_described(path, SEARCH_FILE, SEARCH_SCHEMA, lambda entry: entry.name in _KNOWN or entry.suffix == ".png")
 
 
 def check_search_target(path: str | Path, *, overwrite: bool) -> None:
@@ -82,9 +75,4 @@ def check_search_target(path: str | Path, *, overwrite: bool) -> None:
     Raises:
         TraceError: If something is there that must not be replaced; carries `path`.
     """
-    target = Path(path)
-    if not target.exists() or (target.is_dir() and (not any(target.iterdir()) or (overwrite and is_search(target)))):
-        return
-    there = target.is_dir() and is_search(target)
-    what = "a search; overwriting was not asked for" if there else "something else than a search"
-    raise TraceError(f"{target}: holds {what}", path=str(target))
+    check_place(path, "search", is_search, overwrite=overwrite)

@@ -14,6 +14,7 @@ from typing import Any
 
 from rfcompass.errors import TraceError
 from rfcompass.files import atomic_folder
+from rfcompass.recordings.result_folder import check_place, is_described
 from rfcompass.recordings.run_folder import EVENTS_FILE, VIEW_FILE, Run, is_run, write_run_files
 
 TASK_FILE = "task.json"
@@ -70,13 +71,7 @@ def write_task(task: TaskRun, path: str | Path, *, overwrite: bool = False) -> N
 def is_task(path: Path) -> bool:
     """True if a folder holds a task: a `task.json` of our schema, and nothing that a task does not leave."""
     known = (TASK_FILE, EVENTS_FILE, VIEW_FILE)
-    if not (path / TASK_FILE).is_file() or any(not (e.name in known or is_run(e)) for e in path.iterdir()):
-        return False
-    try:
-        described = json.loads((path / TASK_FILE).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return False
-    return isinstance(described, dict) and described.get("schema") == TASK_SCHEMA
+    return is_described(path, TASK_FILE, TASK_SCHEMA, lambda entry: entry.name in known or is_run(entry))
 
 
 def check_task_target(path: str | Path, *, overwrite: bool) -> None:
@@ -85,9 +80,4 @@ def check_task_target(path: str | Path, *, overwrite: bool) -> None:
     Raises:
         TraceError: If something is there that must not be replaced; carries `path`.
     """
-    target = Path(path)
-    if not target.exists() or (target.is_dir() and (not any(target.iterdir()) or (overwrite and is_task(target)))):
-        return
-    there = target.is_dir() and is_task(target)
-    what = "a task; overwriting was not asked for" if there else "something else than a task"
-    raise TraceError(f"{target}: holds {what}", path=str(target))
+    check_place(path, "task", is_task, overwrite=overwrite)

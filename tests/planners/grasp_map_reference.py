@@ -42,7 +42,7 @@ def surroundings(heights, point):
 
 def palm_top(heights, point, angle):
     """Highest thing known under the palm."""
-    along, across = np.meshgrid(np.arange(-3, 4) * 0.02, np.arange(-1, 2) * 0.02)
+    along, across = np.meshgrid(np.arange(-5, 6) * 0.0125, np.arange(-2, 3) * 0.0125)
     seen = in_jaws(heights, point, angle, along, across)
     return seen[np.isfinite(seen)].max()
 
@@ -66,7 +66,8 @@ def closing(heights, point, angle, depth):
         return None
     half = min(width + ROOM, OPENING) / 2
     skew = max(skewness(side) for side in falls)
-    if reach.max() > half or skew > CONE or tip - under(half, range(5)) <= -0.015:
+    palm = np.clip((tip + PALM - palm_top(heights, point, angle)) / 0.01, -1, 1)
+    if reach.max() > half or skew > CONE or tip - under(half, range(5)) <= -0.015 or palm <= -0.5:
         return None
     rim = [lines[side, 2, max(middle[side] - 2, 0)] for side in (0, 1)]
     edge = [lines[side, 2, middle[side] - 1] for side in (0, 1)]
@@ -82,7 +83,7 @@ def closing(heights, point, angle, depth):
         abs(reach[0] - reach[1]) / 2 / 0.01,
         max(unseen(heights, point, angle, half)),
         rises,
-        np.clip((tip + PALM - palm_top(heights, point, angle)) / 0.01, -1, 1),
+        palm,
     ]
     return width, np.array(numbers)
 
@@ -107,11 +108,11 @@ def pinching(heights, point, angle):
     """The six numbers, or None where the surface is uneven."""
     steps = np.arange(12) * STEP
     part = np.array([[in_jaws(heights, point, angle, sign * steps, t) for t in LINES] for sign in (1, -1)])
-    if not np.ptp(part) < 0.012:
+    palm = np.clip((point[2] - 0.006 + PALM - palm_top(heights, point, angle)) / 0.01, -1, 1)
+    if not np.ptp(part) < 0.012 or palm <= -0.5:
         return None
     tops = part[:, :, 6:].max(axis=(1, 2))
     rises, longest, shortest = surroundings(heights, point)
-    palm = np.clip((point[2] - 0.006 + PALM - palm_top(heights, point, angle)) / 0.01, -1, 1)
     return np.array([np.ptp(part) / 0.01, abs(tops[0] - tops[1]) / 0.01, longest / 0.2, shortest / 0.15, rises, palm])
 
 

@@ -38,6 +38,7 @@ _ABOVE_M, _AROUND_M = 0.02, 0.09
 # What is further from the hand's axis than this, and does not hang together with anything nearer, stays at rest.
 _NEAR_M = 0.15
 _RETREAT_M = 0.02  # of a hand that was blocked
+_TIE_S = 0.04  # how quickly what ties a cover gives in; ours
 _CLOSING = 5  # looks at the jaws, 0.05 s apart, before they count as closed
 _INSIDE_M = 0.001  # rays start so far inside a tip, which they do not see
 _HAND_GROUP = 3  # of geoms; items are in 0
@@ -204,9 +205,9 @@ class _Run:
         both = {n for n in self._numbers(left) & self._numbers(right) if (n, 0) in self._covers}
         if not both:
             return False
-        for geom in left | right:
-            if self._numbers({geom}) == {min(both)}:
-                self._tie(geom)
+        mine = [[geom for geom in sorted(side) if self._numbers({geom}) == {min(both)}] for side in (left, right)]
+        for geom in {side[0] for side in mine}:  # more would tie hinges stiff, and blow up
+            self._tie(geom)
         self._tied = True
         return True
 
@@ -354,7 +355,8 @@ def hand_xml(T_world_hand: FloatArray, start_m: float, hand: PileHand, covers: l
     )
     place = f"{T_world_hand[0, 3]} {T_world_hand[1, 3]} {start_m}"
     ties = "".join(
-        f'<connect name="tie_{number}_{panel}" active="false" body1="hand" body2="{number}_{panel}" anchor="0 0 0"/>'
+        f'<connect name="tie_{number}_{panel}" active="false" body1="hand" body2="{number}_{panel}" anchor="0 0 0" '
+        f'solref="{_TIE_S} 1"/>'
         for number, panel in covers
     )
     return HandXml(

@@ -1,0 +1,45 @@
+"""What folders of results have in common: a file that says whose they are, and a place that may hold nothing else."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from rfcompass.errors import TraceError
+
+
+def is_described(path: Path, file: str, schema: str, left: Callable[[Path], bool]) -> bool:
+    """True if a folder holds a file of our schema, and nothing that we do not leave.
+
+    Args:
+        path: The folder.
+        file: Name of the JSON file that describes it.
+        schema: What that must name as its schema.
+        left: Says whether an entry of the folder may be ours.
+    """
+    if not (path / file).is_file() or not all(left(entry) for entry in path.iterdir()):
+        return False
+    try:
+        described = json.loads((path / file).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(described, dict) and described.get("schema") == schema
+
+
+def check_place(path: str | Path, what: str, is_ours: Callable[[Path], bool], *, overwrite: bool) -> None:
+    """Accept a place: nothing there, an empty folder, or one of ours that may be replaced.
+
+    Args:
+        path: Where to write.
+        what: What it is called, such as "run".
+        is_ours: Tells such a folder.
+        overwrite: Whether one that is there may be replaced.
+
+    Raises:
+        TraceError: If something is there that must not be replaced; carries `path`.
+    """
+    target = Path(path)
+    there = target.is_dir() and is_ours(target)
+    if not target.exists() or (target.is_dir() and (not any(target.iterdir()) or (overwrite and there))):
+        return
+    found = f"a {what}; overwriting was not asked for" if there else f"something else than a {what}"
+    raise TraceError(f"{target}: holds {found}", path=str(target))
