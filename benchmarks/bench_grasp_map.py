@@ -94,7 +94,7 @@ def numpy_map(view: DepthView, quality: AntipodalQuality) -> FloatArray:
     along = np.array([steps, -steps])[:, None, :] + np.zeros((2, 5, STEPS))
     for angle in np.arange(quality.angles) * np.pi / quality.angles:
         lines = jaw_heights(heights, p, angle, along, LINES_M[:, None] + np.zeros((2, 5, STEPS)))
-        palm = jaw_heights(heights, p, angle, *np.meshgrid(np.arange(-3, 4) * 0.02, np.arange(-1, 2) * 0.02))
+        palm = jaw_heights(heights, p, angle, *np.meshgrid(np.arange(-5, 6) * 0.0125, np.arange(-2, 3) * 0.0125))
         top = np.where(np.isfinite(palm), palm, -np.inf).max(axis=(1, 2))
         around = np.stack([rises.mean(axis=1), chords.max(axis=1), chords.min(axis=1), top])
         hidden = np.isinf(jaw_heights(shown, p, angle, along, LINES_M[:, None] + np.zeros((2, 5, STEPS))))
@@ -117,7 +117,7 @@ def pinches(p: FloatArray, lines: FloatArray, around: FloatArray, quality: Antip
     numbers = [uneven / 0.01, tilt / 0.01, around[1] / 0.2, around[2] / 0.15, around[0], palm]
     with np.errstate(invalid="ignore"):
         log_odds = np.stack(numbers, axis=-1) @ quality.pinching[:-1] + quality.pinching[-1]
-        return np.where(uneven < 0.012, log_odds, -np.inf)
+        return np.where((uneven < 0.012) & (palm > -0.5), log_odds, -np.inf)
 
 
 def closings(
@@ -146,7 +146,8 @@ def closings(
     skew = np.maximum(skewness(falls[:, 0]), skewness(falls[:, 1]))
     fine = (depth >= 0.006) & (middle.min(axis=1) >= 1) & (middle.max(axis=1) * STEP_M <= jaws.opening_m / 2)
     fine &= (np.abs(np.diff(middle)[:, 0]) * STEP_M <= jaws.room_m) & (reach.max(axis=1) <= half) & (skew <= cone)
-    fine &= (tip - under > -0.015) & (tip - under_middle > -0.015)
+    palm = np.clip((tip + jaws.palm_m - around[3]) / 0.01, -1, 1)
+    fine &= (palm > -0.5) & (tip - under > -0.015) & (tip - under_middle > -0.015)
     rim, edge, foot = (
         np.take_along_axis(lines[:, :, 2], np.clip(middle - n, 0, STEPS - 1)[..., None], axis=2)[..., 0]
         for n in (2, 1, 0)
@@ -161,7 +162,7 @@ def closings(
         np.abs(reach[:, 0] - reach[:, 1]) / 2 / 0.01,
         unseen(hidden, half, jaws.thickness_m),
         around[0],
-        np.clip((tip + jaws.palm_m - around[3]) / 0.01, -1, 1),
+        palm,
     ]
     with np.errstate(invalid="ignore"):
         log_odds = np.stack(numbers, axis=-1) @ quality.closing[:-1] + quality.closing[-1]
