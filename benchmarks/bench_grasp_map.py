@@ -7,6 +7,7 @@ lines as one array, for each depth the sides by `argmax` along it. It fills the 
 """
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -87,19 +88,19 @@ def numpy_map(view: DepthView, quality: AntipodalQuality) -> FloatArray:
     standing = image_m[..., 2] > quality.standing_m
     p, heights = image_m[standing], height_map(view, standing, quality.cell_m)
     best = np.full(len(p), -np.inf)
+    shown = replace(heights, heights_m=np.where(heights.seen, 0.0, np.inf))
     rays, rises = surroundings(heights, p)
     chords, steps = rays[:, :8] + rays[:, 8:], np.arange(STEPS) * STEP_M
     along = np.array([steps, -steps])[:, None, :] + np.zeros((2, 5, STEPS))
     for angle in np.arange(quality.angles) * np.pi / quality.angles:
         lines = jaw_heights(heights, p, angle, along, LINES_M[:, None] + np.zeros((2, 5, STEPS)))
-        palm = jaw_heights(heights, p, angle, *np.meshgrid(np.arange(-3, 4) * 0.02, np.arange(-1, 2) * 0.02))
+        palm = jaw_heights(heights, p, angle, *np.meshgrid(np.arange(-5, 6) * 0.0125, np.arange(-2, 3) * 0.0125))
         top = np.where(np.isfinite(palm), palm, -np.inf).max(axis=(1, 2))
-        across = round((angle + np.pi / 2) / (np.pi / 8)) % 16
-        offset = (rays[:, across] - rays[:, (across + 8) % 16]) / 2
-        around = np.stack([rises.mean(axis=1), chords.max(axis=1), chords.min(axis=1), offset, top])
+        around = np.stack([rises.mean(axis=1), chords.max(axis=1), chords.min(axis=1), top])
+        hidden = np.isinf(jaw_heights(shown, p, angle, along, LINES_M[:, None] + np.zeros((2, 5, STEPS))))
         best = np.maximum(best, pinches(p, lines, around, quality))
         for wished in quality.depths_m:
-            best = np.maximum(best, closings(p, lines, around, wished, quality))
+            best = np.maximum(best, closings(p, lines, hidden, around, wished, quality))
     log_odds = np.full(standing.shape, -np.inf)
     log_odds[standing] = best
     return log_odds
@@ -112,15 +113,20 @@ def pinches(p: FloatArray, lines: FloatArray, around: FloatArray, quality: Antip
         uneven = part.max(axis=(1, 2, 3)) - part.min(axis=(1, 2, 3))
         tops = part[..., 6:].max(axis=(2, 3))
         tilt = np.abs(tops[:, 0] - tops[:, 1])
-    palm = np.clip((p[:, 2] - 0.006 + quality.jaws.palm_m - around[4]) / 0.02, -1, 1)
+    palm = np.clip((p[:, 2] - 0.006 + quality.jaws.palm_m - around[3]) / 0.01, -1, 1)
     numbers = [uneven / 0.01, tilt / 0.01, around[1] / 0.2, around[2] / 0.15, around[0], palm]
     with np.errstate(invalid="ignore"):
         log_odds = np.stack(numbers, axis=-1) @ quality.pinching[:-1] + quality.pinching[-1]
-        return np.where(uneven < 0.012, log_odds, -np.inf)
+        return np.where((uneven < 0.012) & (palm > -0.5), log_odds, -np.inf)
 
 
 def closings(
-    p: FloatArray, lines: FloatArray, around: FloatArray, wished: float, quality: AntipodalQuality
+    p: FloatArray,
+    lines: FloatArray,
+    hidden: FloatArray,
+    around: FloatArray,
+    wished: float,
+    quality: AntipodalQuality,
 ) -> FloatArray:
     """Log-odds of closings at one angle and depth, (N,)."""
     jaws, cone = quality.jaws, np.arctan(quality.friction)
@@ -140,22 +146,23 @@ def closings(
     skew = np.maximum(skewness(falls[:, 0]), skewness(falls[:, 1]))
     fine = (depth >= 0.006) & (middle.min(axis=1) >= 1) & (middle.max(axis=1) * STEP_M <= jaws.opening_m / 2)
     fine &= (np.abs(np.diff(middle)[:, 0]) * STEP_M <= jaws.room_m) & (reach.max(axis=1) <= half) & (skew <= cone)
-    fine &= (tip - under > -0.015) & (tip - under_middle > -0.015)
+    palm = np.clip((tip + jaws.palm_m - around[3]) / 0.01, -1, 1)
+    fine &= (palm > -0.5) & (tip - under > -0.015) & (tip - under_middle > -0.015)
     rim, edge, foot = (
         np.take_along_axis(lines[:, :, 2], np.clip(middle - n, 0, STEPS - 1)[..., None], axis=2)[..., 0]
         for n in (2, 1, 0)
     )
     numbers = [
-        np.minimum((tip - under) / 0.01, 1.0),
+        np.minimum((tip - under) / 0.005, 1.0),
         skew / cone,
         (ends > reach[:, :, None] - 0.005).mean(axis=2).min(axis=1),
-        np.minimum((np.maximum(rim, edge) - tip[:, None]).min(axis=1), 0.04) / 0.02,
-        np.minimum((rim - foot).min(axis=1), 0.02) / 0.01,
+        np.minimum((np.maximum(rim, edge) - tip[:, None]).min(axis=1), 0.01) / 0.01,
+        np.minimum((rim - foot).min(axis=1), 0.01) / 0.01,
         width / jaws.opening_m,
         np.abs(reach[:, 0] - reach[:, 1]) / 2 / 0.01,
-        np.minimum(np.abs(around[3]) / 0.04, 1.5),
+        unseen(hidden, half, jaws.thickness_m),
         around[0],
-        np.clip((tip + jaws.palm_m - around[4]) / 0.02, -1, 1),
+        palm,
     ]
     with np.errstate(invalid="ignore"):
         log_odds = np.stack(numbers, axis=-1) @ quality.closing[:-1] + quality.closing[-1]
@@ -164,10 +171,22 @@ def closings(
 
 def under_fingers(lines: FloatArray, half: FloatArray, thickness_m: float) -> FloatArray:
     """Highest thing where the fingers come down, (N,)."""
+    there = finger_steps(half, thickness_m)
+    return np.where(there[:, None, None], lines, -np.inf).max(axis=(1, 2, 3))
+
+
+def unseen(hidden: FloatArray, half: FloatArray, thickness_m: float) -> FloatArray:
+    """Share of the ground under a finger that no pixel showed, of the side with more, (N,)."""
+    there = finger_steps(half, thickness_m)
+    counts = (hidden & there[:, None, None]).sum(axis=(2, 3))
+    return counts.max(axis=1) / np.maximum(5 * there.sum(axis=1), 1)
+
+
+def finger_steps(half: FloatArray, thickness_m: float) -> FloatArray:
+    """Which steps a finger covers, (N, 25)."""
     first, last = np.ceil(half / STEP_M - 1e-6), np.ceil((half + thickness_m) / STEP_M - 1e-6)
     k = np.arange(STEPS)
-    there = (k >= first[:, None]) & (k <= np.minimum(last, STEPS - 1)[:, None])
-    return np.where(there[:, None, None], lines, -np.inf).max(axis=(1, 2, 3))
+    return (k >= first[:, None]) & (k <= np.minimum(last, STEPS - 1)[:, None])
 
 
 def skewness(falls: FloatArray) -> FloatArray:

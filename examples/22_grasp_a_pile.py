@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from planners import AntipodalQuality, grasp_at_pixel
+from planners import AntipodalQuality
+from planners.grasp_at_pixel import grasp_at_pixel
 from rfcompass.simulation.piles import ExecutedGrasp, PileCamera, PileFamily, grasp_item, look_down, make_pile
 from rfcompass.types import DepthView, GraspMaps
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from planners.base_placement import inverse_map as inverse_map
     from planners.grasp import GraspPlanner as GraspPlanner
     from planners.grasp import GraspRules as GraspRules
-    from planners.grasp_at_pixel import grasp_at_pixel as grasp_at_pixel
     from planners.grasp_network import NetworkGraspQuality as NetworkGraspQuality
     from planners.grasp_quality import AntipodalQuality as AntipodalQuality
     from planners.grasp_quality import JawSizes as JawSizes
@@ -72,7 +71,6 @@ _HOME = {
     "ToolDirections": "task_map",
     "antipodal_grasps": "antipodal",
     "best_base_pose": "base_placement",
-    "grasp_at_pixel": "grasp_at_pixel",
     "inverse_map": "base_placement",
     "load_task_map": "task_map",
     "move_straight": "straight_motion",
@@ -111,7 +109,6 @@ __all__ = [
     "ToolDirections",
     "antipodal_grasps",
     "best_base_pose",
-    "grasp_at_pixel",
     "inverse_map",
     "load_task_map",
     "move_straight",

@@ -96,19 +96,19 @@ def _try_spot(
     if rays[0, 0] < 0.0:
         follow_surface(grid, spot.point, rays)
     take_lines(grid, spot, 0, LINES)
-    look_around(grid, spot, rays, claw)
+    look_around(spot, rays)
     if pinches:
-        _try_pinch(spot, claw, tries, found, where, numbers)
+        _try_pinch(grid, spot, claw, tries, found, where, numbers)
     if closes:
         _try_depths(grid, spot, claw, tries, found, where, numbers)
 
 
 @numba.njit(cache=True)
 def _try_pinch(
-    spot: Spot, claw: Claw, tries: Tries, found: Found, where: tuple[int, int, float], numbers: FloatArray
+    grid: Grid, spot: Spot, claw: Claw, tries: Tries, found: Found, where: tuple[int, int, float], numbers: FloatArray
 ) -> None:
     """Try to pinch at one place and angle; keep it if it is better than what was found before."""
-    if pinching_numbers(spot, claw, numbers):
+    if pinching_numbers(grid, spot, claw, numbers):
         depth = min(PINCH_DEPTH_M, spot.point[2] - claw.lowest)
         _keep(found, where, (PINCH_WIDTH_M, depth, PINCHES), numbers, tries.pinching)
 

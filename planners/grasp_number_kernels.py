@@ -175,8 +175,10 @@ def closing_numbers(grid: Grid, spot: Spot, depth: float, claw: Claw, numbers: F
     width, skew = left + right, max(_skew(spot.falls, 0), _skew(spot.falls, 1))
     half = min(width + claw.room, claw.opening) / 2
     under = _under_fingers(spot.profile, half, claw.thickness, (0, LINES))
-    palm = _palm_room(tip, spot, claw)
-    if max(left, right) > half or skew > claw.cone or tip - under <= _BURIED_M or palm <= _PALM_STOPS:
+    if max(left, right) > half or skew > claw.cone or tip - under <= _BURIED_M:
+        return -1.0
+    palm = _palm_room(grid, tip, spot, claw)
+    if palm <= _PALM_STOPS:
         return -1.0
     numbers[0], numbers[1] = min((tip - under) / 0.005, 1.0), skew / claw.cone
     numbers[2] = min(_contact(spot.falls, 0, left), _contact(spot.falls, 1, right))
@@ -242,9 +244,27 @@ def _under_fingers(profile: FloatArray, half: float, thickness: float, lines: tu
 
 
 @numba.njit(cache=True)
-def _palm_room(tip: float, spot: Spot, claw: Claw) -> float:
-    """Height of the palm over what is under it, of 10 mm, within ±1."""
+def _palm_room(grid: Grid, tip: float, spot: Spot, claw: Claw) -> float:
+    """Height of the palm over what is highest under it, of 10 mm, within ±1; looked for once at each spot."""
+    if np.isnan(spot.around[3]):
+        spot.around[3] = _palm_top(grid, spot, claw)
     return float(min(max((tip + claw.palm - spot.around[3]) / 0.01, -1.0), 1.0))
+
+
+@numba.njit(cache=True)
+def _palm_top(grid: Grid, spot: Spot, claw: Claw) -> float:
+    """Highest thing that was seen under the palm."""
+    long = int((claw.palm_along + _BESIDE_PALM_M) / _PALM_M + 0.5)
+    wide = int((claw.palm_across + _BESIDE_PALM_M) / _PALM_M + 0.5)
+    top = -np.inf
+    for i in range(-long, long + 1):
+        for j in range(-wide, wide + 1):
+            along, across_m = i * _PALM_M, j * _PALM_M
+            x = spot.point[0] + spot.cos * along - spot.sin * across_m
+            height = _height(grid, x, spot.point[1] + spot.sin * along + spot.cos * across_m)
+            if height < np.inf:  # what nobody saw is not taken for high: the palm is far up
+                top = max(top, height)
+    return top
 
 
 @numba.njit(cache=True)
@@ -288,10 +308,13 @@ def _unevenness(spot: Spot, first: int, last: int) -> float:
 
 
 @numba.njit(cache=True)
-def pinching_numbers(spot: Spot, claw: Claw, numbers: FloatArray) -> bool:
+def pinching_numbers(grid: Grid, spot: Spot, claw: Claw, numbers: FloatArray) -> bool:
     """Numbers `PINCHING`, the rest 0; False if the surface is not even enough, or stops the palm."""
-    uneven, palm = _unevenness(spot, 0, LINES), _palm_room(spot.point[2] - PINCH_DEPTH_M, spot, claw)
-    if not uneven < _UNEVEN_M or palm <= _PALM_STOPS:
+    uneven = _unevenness(spot, 0, LINES)
+    if not uneven < _UNEVEN_M:
+        return False
+    palm = _palm_room(grid, spot.point[2] - PINCH_DEPTH_M, spot, claw)
+    if palm <= _PALM_STOPS:
         return False
     numbers[:] = 0.0
     numbers[0], numbers[1] = uneven / 0.01, _tilt(spot) / 0.01
@@ -327,20 +350,11 @@ def follow_surface(grid: Grid, point: FloatArray, rays: FloatArray) -> None:
 
 
 @numba.njit(cache=True)
-def look_around(grid: Grid, spot: Spot, rays: FloatArray, claw: Claw) -> None:
-    """Sum up the directions; and what is highest under the palm."""
+def look_around(spot: Spot, rays: FloatArray) -> None:
+    """Sum up the directions; what is under the palm is looked for when it is asked for."""
     around, half = spot.around, RAYS // 2
-    around[0], around[1], around[2], around[3] = 0.0, 0.0, np.inf, -np.inf
+    around[0], around[1], around[2], around[3] = 0.0, 0.0, np.inf, np.nan
     for n in range(half):
         chord = rays[0, n] + rays[0, n + half]
         around[1], around[2] = max(around[1], chord), min(around[2], chord)
         around[0] += (rays[1, n] + rays[1, n + half]) / RAYS
-    long = int((claw.palm_along + _BESIDE_PALM_M) / _PALM_M + 0.5)
-    wide = int((claw.palm_across + _BESIDE_PALM_M) / _PALM_M + 0.5)
-    for i in range(-long, long + 1):
-        for j in range(-wide, wide + 1):
-            along, across_m = i * _PALM_M, j * _PALM_M
-            x = spot.point[0] + spot.cos * along - spot.sin * across_m
-            height = _height(grid, x, spot.point[1] + spot.sin * along + spot.cos * across_m)
-            if height < np.inf:  # what nobody saw is not taken for high: the palm is far up
-                around[3] = max(around[3], height)

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
+from standing_boxes import Upright, look, pixel_of
 
 from planners.grasp_at_pixel import grasp_at_pixel
 from planners.grasp_network import NetworkGraspQuality
 from rfcompass.errors import ShapeError
 from rfcompass.interfaces import GraspQuality
-from tests.planners.standing_boxes import Upright, look, pixel_of
 
 BOX = Upright(0.02, 0.01, 0.0, 0.07, 0.04, 0.05)
 

@@ -1,0 +1,58 @@
+"""What every way to score grasps obeys, ours and a network's."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from box_scenes import Block, looking_down, see
+
+from planners.grasp_network import NetworkGraspQuality
+from planners.grasp_quality import AntipodalQuality
+from rfcompass.interfaces import GraspQuality
+
+APART = [Block((-0.1, 0.0, 0.03), (0.09, 0.05, 0.06), 0.3), Block((0.1, 0.05, 0.04), (0.06, 0.06, 0.08), -0.4)]
+
+
+def near_is_good(depth_m):
+    """Stands for a network: whatever is near can be grasped along the rows."""
+    near = np.nan_to_num(depth_m, nan=9.0) < 0.66
+    return near * 0.5, np.zeros(depth_m.shape), np.full(depth_m.shape, 20.0)
+
+
+QUALITIES = [AntipodalQuality(), NetworkGraspQuality(network=near_is_good)]
+named = pytest.mark.parametrize("quality", QUALITIES, ids=lambda q: type(q).__name__)
+
+
+@named
+def test_each_pixel_of_the_view_gets_a_grasp_and_the_table_none(quality):
+    assert isinstance(quality, GraspQuality)
+    view, labels = see(APART, looking_down(height_m=0.7), shape=(120, 160))
+    maps = quality.quality(view)
+    assert maps.quality.shape == view.depth_m.shape
+    assert maps.quality[labels == 1].max() > 0.3
+    assert not maps.quality[labels == 0].any()
+    assert not quality.quality(see([], looking_down(height_m=0.7))[0]).quality.any()
+
+
+@named
+def test_a_view_without_any_depth_has_no_grasp(quality):
+    view, _ = see(APART, looking_down(height_m=0.7))
+    blind = dataclasses.replace(view, depth_m=np.full(view.depth_m.shape, np.nan))
+    assert not quality.quality(blind).quality.any()
+
+
+@named
+def test_a_grasp_stays_above_the_table_and_within_the_surface(quality):
+    view, labels = see(APART, looking_down(height_m=0.7), shape=(120, 160))
+    maps = quality.quality(view)
+    good = maps.quality > 0
+    assert (maps.depth_m[good] > 0).all()
+    assert (0.7 - view.depth_m[good] - maps.depth_m[good] > 0).all()
+    assert (labels[good] > 0).all()
+
+
+@named
+def test_equal_views_give_equal_bits(quality):
+    view, _ = see(APART, looking_down(height_m=0.7))
+    first, second = quality.quality(view), quality.quality(view)
+    assert all(np.array_equal(getattr(first, name), getattr(second, name)) for name in first.__slots__)
