@@ -56,7 +56,7 @@ def tiny_poured():
 def inside(thing, points_m):
     """Whether points of the item frame are inside an item, by its equation; negative inside, (N, 3) to (N,)."""
     half = thing.panel_size_m / 2
-    if thing.kind in ("box", "cover"):
+    if thing.kind in ("box", "cover", "cushion"):
         return (np.abs(points_m) - half).max(axis=1)
     if thing.kind == "ellipsoid":
         return np.linalg.norm(points_m / half, axis=1) - 1

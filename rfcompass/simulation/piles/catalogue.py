@@ -9,6 +9,7 @@ _BOX_M, _ELLIPSOID_M = (0.03, 0.11), (0.04, 0.09)
 _CYLINDER_M, _CYLINDER_LENGTH_M = (0.036, 0.07), (0.05, 0.12)
 _CAPSULE_M, _CAPSULE_STRAIGHT_M = (0.036, 0.06), (0.03, 0.08)
 _COVER_LENGTH_M, _COVER_WIDTH_M, _COVER_THICKNESS_M = (0.15, 0.24), (0.11, 0.18), (0.008, 0.012)
+_CUSHION_M = ((0.09, 0.14), (0.06, 0.078), (0.04, 0.055))
 # What each kind is made of, with its share.
 _MATERIALS = {
     "box": (("card", 0.6), ("plastic", 0.3), ("metal", 0.1)),
@@ -16,6 +17,7 @@ _MATERIALS = {
     "capsule": (("plastic", 0.7), ("liquid", 0.3)),
     "ellipsoid": (("foam", 0.5), ("cloth", 0.5)),
     "cover": (("cloth", 1.0),),
+    "cushion": (("cloth", 0.7), ("foam", 0.3)),
 }
 RIGID_KINDS = ("box", "cylinder", "capsule", "ellipsoid")
 # Nothing but the target is red; a search may know it by that.
@@ -53,9 +55,17 @@ def draw_target(number: int, rng: np.random.Generator) -> PileItem:
     return PileItem(number, kind, np.array(size_m), material, TARGET_RGB)
 
 
-def draw_distractor(number: int, cover_share: float, rng: np.random.Generator) -> PileItem:
-    """Draw a cover with probability `cover_share`, otherwise one of the rigid kinds."""
-    kind = "cover" if rng.random() < cover_share else str(rng.choice(RIGID_KINDS))
+def draw_distractor(
+    number: int, cover_share: float, rng: np.random.Generator, cushion_share: float = 0.0
+) -> PileItem:
+    """Draw a cover or a cushion with their probabilities, otherwise one of the rigid kinds."""
+    drawn = rng.random()
+    if drawn < cover_share:
+        kind = "cover"
+    elif drawn < cover_share + cushion_share:
+        kind = "cushion"
+    else:
+        kind = str(rng.choice(RIGID_KINDS))
     return draw_item(number, kind, rng)
 
 
@@ -70,4 +80,6 @@ def _draw_size(kind: str, rng: np.random.Generator) -> np.ndarray:
     if kind == "capsule":
         across = rng.uniform(*_CAPSULE_M)
         return np.array([across, across, across + rng.uniform(*_CAPSULE_STRAIGHT_M)])
+    if kind == "cushion":
+        return np.array([rng.uniform(*limits) for limits in _CUSHION_M])
     return np.array([rng.uniform(*limits) for limits in (_COVER_LENGTH_M, _COVER_WIDTH_M, _COVER_THICKNESS_M)])

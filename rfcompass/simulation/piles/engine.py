@@ -13,7 +13,13 @@ from rfcompass.simulation.piles.items import PANELS, PileItem
 from rfcompass.types.record import Record
 
 # Of the joints of one item: place and quaternion (w, x, y, z) of its middle panel, then its hinges from -x to +x [rad].
+# Of a cushion: those of the whole thing before it gives way, fixed to its lower half, then the slide of the upper [m].
 ROOT = 7
+# Cushions, all ours; not in `PilePhysics`, which is part of the hash of every scene that is stored. The upper half slides
+# down by at most this share of the thickness. Its spring begins to give at this force [N] and takes this much more at
+# the end of the range; the slide's damping over its stiffness is this time [s].
+CUSHION_GIVES = 0.45
+CUSHION_FIRST_N, CUSHION_MORE_N, CUSHION_DAMPING_S = 0.3, 3.0, 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +118,9 @@ def compile_pile(items: Sequence[PileItem], physics: PilePhysics, hand: HandXml 
 
 
 def panel_order(item: PileItem) -> tuple[int, ...]:
-    """Panels of an item in the order of MuJoCo's bodies: the middle one, then to +x, then to -x."""
+    """Panels of an item in the order of MuJoCo's bodies: the middle one, then to +x, then to -x; a cushion's upwards."""
+    if item.kind == "cushion":
+        return (0, 1)
     if item.kind != "cover":
         return (0,)
     middle = PANELS // 2
@@ -121,6 +129,8 @@ def panel_order(item: PileItem) -> tuple[int, ...]:
 
 def joint_order(item: PileItem) -> tuple[int, ...]:
     """Hinges of a state, from -x to +x, in the order of MuJoCo's joints; hinge h is between panels h and h + 1."""
+    if item.kind == "cushion":
+        return (0,)
     if item.kind != "cover":
         return ()
     middle = PANELS // 2
@@ -151,11 +161,28 @@ def pile_xml(items: Sequence[PileItem], physics: PilePhysics, hand: HandXml | No
 
 
 def _body_xml(item: PileItem) -> str:
+    if item.kind == "cushion":
+        return _cushion_xml(item)
     name, geom = f'name="{item.number}_{PANELS // 2}"', _geom_xml(item)
     if item.kind != "cover":
         return f"<body {name}><freejoint/>{geom}</body>\n"
     sides = "".join(_chain_xml(item, range(PANELS // 2 + sign, PANELS if sign > 0 else -1, sign)) for sign in (1, -1))
     return f"<body {name}><freejoint/>{geom}{sides}</body>\n"
+
+
+def _cushion_xml(item: PileItem) -> str:
+    """Two halves, parent and child, which MuJoCo does not let push each other; the upper one slides on a spring."""
+    thick_m = float(item.size_m[2])
+    gives_m = CUSHION_GIVES * thick_m
+    stiffness_n_m = CUSHION_MORE_N / gives_m
+    slide = (
+        f'<joint type="slide" axis="0 0 1" range="{-gives_m} 0" stiffness="{stiffness_n_m}" '
+        f'springref="{CUSHION_FIRST_N / stiffness_n_m}" damping="{CUSHION_DAMPING_S * stiffness_n_m}" '
+        'frictionloss="0" armature="0" solreflimit="0.01 1" solimplimit="0.95 0.99 0.0005"/>'
+    )
+    lower, upper = (f'<geom pos="0 0 {sign * thick_m / 4}"{_geom_xml(item)[5:]}' for sign in (-1, 1))
+    inner = f'<body name="{item.number}_1">{slide}{upper}</body>'
+    return f'<body name="{item.number}_0"><freejoint/>{lower}{inner}</body>\n'
 
 
 def _chain_xml(item: PileItem, panels: range) -> str:
@@ -189,7 +216,7 @@ def _geom_xml(item: PileItem) -> str:
 
 
 def flat_state(item: PileItem, T_world_item: FloatArray) -> FloatArray:
-    """State of an item at a pose, a cover spread out; homogeneous pose, shape (4, 4), to shape (7 + hinges,)."""
+    """State of an item at a pose, a cover spread out, a cushion free; homogeneous pose, shape (4, 4), to shape (7 + joints,)."""
     quaternion = np.empty(4)
     load_mujoco().mju_mat2Quat(quaternion, np.ascontiguousarray(T_world_item[:3, :3]).reshape(9))
     return np.concatenate([T_world_item[:3, 3], quaternion, np.zeros(item.joints)])

@@ -30,6 +30,7 @@ class PileFamily(Record):
         way: `"poured"` or `"covered"`.
         distractors: Distractors in each pile; the target comes on top of that, in a pile drawn anew.
         cover_share: Probability that a distractor is a cover.
+        cushion_share: Probability that a distractor is a cushion; in a poured pile.
         candidates: Items of a target's size poured with the target's pile, of its distractors and the target.
     """
 
@@ -38,6 +39,7 @@ class PileFamily(Record):
     distractors: tuple[int, ...]
     cover_share: float = 0.35
     candidates: int = 3
+    cushion_share: float = 0.0
 
     def __post_init__(self) -> None:
         """Check that such scenes can be."""
@@ -47,6 +49,7 @@ class PileFamily(Record):
             (len(self.distractors) in PLACES_M, "distractors", "are not of one, two or three piles"),
             (all(n >= 1 for n in self.distractors), "distractors", "leave a pile without one"),
             (0 <= self.cover_share <= 1, "cover_share", "is no probability"),
+            (0 <= self.cushion_share <= 1 - self.cover_share, "cushion_share", "is no probability beside the covers'"),
             (self.candidates >= 1, "candidates", "are not at least one"),
         ):
             if not fine:
@@ -56,8 +59,11 @@ class PileFamily(Record):
 
 # The paper's levels of complexity: 20, 25 and 42 distractors in two, three and three piles; the smallest is ours.
 _LEVELS = {"1p10": (10,), "2p20": (10, 10), "3p25": (9, 8, 8), "3p42": (14, 14, 14)}
+# Most things in the paper's piles were soft; ours for its deformable kernel are mostly cushions and covers.
+_SOFT = {"cover_share": 0.2, "cushion_share": 0.45}
 FAMILIES: Mapping[str, PileFamily] = MappingProxyType(
     {f"{way}_{level}": PileFamily(f"{way}_{level}", way, counts) for way in WAYS for level, counts in _LEVELS.items()}
+    | {f"soft_{level}": PileFamily(f"soft_{level}", "poured", _LEVELS[level], **_SOFT) for level in ("1p10", "3p25")}
 )
 
 

@@ -3,6 +3,10 @@
 Item frame: origin at the centre, z along the axis of a cylinder or capsule, and across a cover. A cover stands for
 cloth: five stiff panels in a row along x, joined by hinges along y. It drapes over what lies below it in one direction
 only, and neither stretches nor crumples: a surrogate, and said to be one wherever results are shown.
+
+A cushion stands for soft, thick things: gloves, beanies, plush. It is two box halves, one on the other; the upper one
+slides along z on a spring, into the lower one, when something lies on it. It gives way along that one line only, and a
+surrogate as well.
 """
 
 from dataclasses import dataclass
@@ -16,8 +20,11 @@ from rfcompass.types.items import ItemSize
 from rfcompass.types.record import Record
 from rfcompass.types.shapes import Box, Cylinder
 
-KINDS = ("box", "cylinder", "capsule", "ellipsoid", "cover")
+KINDS = ("box", "cylinder", "capsule", "ellipsoid", "cover", "cushion")
 PANELS = 5
+# Panels of each kind that has more than one: in a row along x, and on top of each other along z.
+_PANELS_ALONG = {"cover": np.array([PANELS, 1.0, 1.0]), "cushion": np.array([1.0, 1.0, 2.0])}
+_JOINTS = {"cover": PANELS - 1, "cushion": 1}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +79,7 @@ class PileItem(Record):
     @property
     def deformable(self) -> bool:
         """Whether it gives way."""
-        return self.kind == "cover"
+        return self.kind in ("cover", "cushion")
 
     @property
     def taggable(self) -> bool:
@@ -96,15 +103,15 @@ class PileItem(Record):
 
     @property
     def joints(self) -> int:
-        """Number of hinges."""
-        return PANELS - 1 if self.kind == "cover" else 0
+        """Number of a cover's hinges; 1 for the slide of a cushion."""
+        return _JOINTS.get(self.kind, 0)
 
     @property
     def panel_size_m(self) -> FloatArray:
-        """Edges of one panel of a cover; of the whole item if it is none [m], shape (3,)."""
-        if self.kind != "cover":
+        """Edges of one panel of a cover, of one half of a cushion; of the whole item if it is neither [m], shape (3,)."""
+        if self.kind not in _PANELS_ALONG:
             return self.size_m
-        return self.size_m * np.array([1 / PANELS, 1.0, 1.0])
+        return self.size_m * (1 / _PANELS_ALONG[self.kind])
 
     @property
     def radius_m(self) -> float:
@@ -117,7 +124,7 @@ class PileItem(Record):
 
     @property
     def radio_shape(self) -> Box | Cylinder:
-        """The solid that stands for it, or for one panel of it, in the radio channel.
+        """The solid that stands for it, or for one panel or half of it, in the radio channel.
 
         A capsule or an ellipsoid becomes the cylinder or box of the same volume and proportions.
         """
@@ -132,12 +139,15 @@ class PileItem(Record):
         """Where a tag can be glued: middles of the sides of a box, of its lengthwise lines on anything round.
 
         Returns:
-            Points and outward normals in the item frame (of a cover, that of its middle panel), and the direction that
-            the dipole then lies along, the longer edge of that side; shape (P, 3) each [m].
+            Points and outward normals in the item frame (of a cover, that of its middle panel; of a cushion, that of
+            its lower half, whose large side has the tag), and the direction that the dipole then lies along, the longer
+            edge of that side; shape (P, 3) each [m].
         """
         half = self.size_m / 2
         if self.kind == "cover":
             half = np.array([half[0] / PANELS, half[1], half[2]])
+        if self.kind == "cushion":
+            half = half * np.array([1.0, 1.0, 0.5])
         faces = _FACES[self.kind]
         normals = np.array([np.sign(face) * np.eye(3)[abs(face) - 1] for face in faces])
         along = [_longer_edge(half, abs(face) - 1, self.kind) for face in faces]
@@ -147,7 +157,14 @@ class PileItem(Record):
 # Sides that a tag can be on: axis 1, 2 or 3, with the sign of the outward normal. Ends of round things are too small.
 _ALL_SIDES = (1, -1, 2, -2, 3, -3)
 _ROUND = (1, -1, 2, -2)
-_FACES = {"box": _ALL_SIDES, "ellipsoid": _ALL_SIDES, "cylinder": _ROUND, "capsule": _ROUND, "cover": (3, -3)}
+_FACES = {
+    "box": _ALL_SIDES,
+    "ellipsoid": _ALL_SIDES,
+    "cylinder": _ROUND,
+    "capsule": _ROUND,
+    "cover": (3, -3),
+    "cushion": (-3,),
+}
 
 
 def _longer_edge(half_m: FloatArray, axis: int, kind: str) -> FloatArray:

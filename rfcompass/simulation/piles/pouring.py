@@ -91,11 +91,13 @@ def _pulls(world: PileWorld, pull: float) -> dict[int, FloatArray]:
 
 
 def _let_go(item: PileItem, place_m: FloatArray, above_m: float, rng: np.random.Generator) -> FloatArray:
-    """Pose at which an item is let go: a cover flat, with any heading; all else turned anyhow."""
+    """Pose at which an item is let go: cover or cushion flat, with any heading, a cushion either way up; else anyhow."""
     T = np.eye(4)
-    if item.kind == "cover":
+    if item.deformable:
         yaw = rng.uniform(0.0, np.pi)
         T[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+        if item.kind == "cushion" and rng.random() < 0.5:
+            T[:3, 1:3] *= -1.0
         reach_m = float(item.size_m[2]) / 2
     else:
         T[:3, :3] = random_rotation(rng)

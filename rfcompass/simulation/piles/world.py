@@ -54,7 +54,8 @@ class PileWorld:
 
     Args:
         items: What there is, each with its own number.
-        states: Place, quaternion (w, x, y, z) and hinges of each, shape (7 + hinges,) [m, -, rad], by number.
+        states: Place, quaternion (w, x, y, z) and hinges or slide of each, shape (7 + joints,) [m, -, rad or m], by
+            number; see `engine.ROOT`.
         physics: Constants.
 
     Raises:
@@ -80,7 +81,7 @@ class PileWorld:
 
     @property
     def states(self) -> dict[int, FloatArray]:
-        """State of each item by number, shape (7 + hinges,) each."""
+        """State of each item by number, shape (7 + joints,) each."""
         return self.states_in(self.data)
 
     def states_in(self, data: Any) -> dict[int, FloatArray]:  # noqa: ANN401 - an object of MuJoCo
@@ -113,11 +114,11 @@ class PileWorld:
         raise PileError(f"item {number} is not in the pile; there are {there}", key="number", got=number, there=there)
 
     def pose(self, number: int) -> FloatArray:
-        """Pose of an item, of a cover's middle panel, in the world, homogeneous, shape (4, 4)."""
+        """Pose of an item, of a cover's middle panel, of a cushion's lower half, in the world, homogeneous, (4, 4)."""
         return self._panel_pose(self._first_geom(number))
 
     def panel_poses(self, number: int) -> list[FloatArray]:
-        """Pose of each panel of a cover, from -x to +x, or of an item in one piece, shape (4, 4) each."""
+        """Poses of a cover's panels from -x to +x, a cushion's halves upwards, or an item in one piece, (4, 4) each."""
         first, order = self._first_geom(number), panel_order(self.item(number))
         return [self._panel_pose(first + order.index(panel)) for panel in sorted(order)]
 
