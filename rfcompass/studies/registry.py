@@ -23,6 +23,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.searches:SEARCHES",
     "rfcompass.studies.search_figures:SEARCH_LEVELS",
     "rfcompass.studies.search_figures:SEARCH_TAGS",
+    "rfcompass.studies.search_kernels:SEARCH_KERNELS",
     "rfcompass.studies.grasp_trials:GRASP_TRIALS",
 )
 

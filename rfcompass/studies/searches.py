@@ -35,11 +35,13 @@ class Arm(NamedTuple):
         way: Name in `search_methods.METHODS`, or `KNOWN`.
         tags: Number of tagged distractors, as far as there are items for them.
         placement: Where the tagged ones are, as in `tag_items`.
+        only_soft: Whether only things that give way are tagged.
     """
 
     way: str
     tags: int = 0
     placement: str = "any"
+    only_soft: bool = False
 
 
 ARMS: Mapping[str, Arm] = {
@@ -108,7 +110,7 @@ def run_arm(arm: Arm, scene: PileScene, seed: int) -> SearchResult:
         PileUnsettled: If the simulation blew up.
         PileError: If there are no items for the tags where they should be.
     """
-    tags = tagged_items_of(scene, arm.placement, arm.tags, seed)
+    tags = tagged_items_of(scene, arm.placement, arm.tags, seed, only_soft=arm.only_soft)
     task = SearchTask(scene, tags, seed)
     robot = task.robot()
     if arm.way == KNOWN:

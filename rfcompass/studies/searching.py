@@ -98,16 +98,20 @@ class SearchRun:
         return self.search.run()
 
 
-def tagged_items_of(scene: PileScene, placement: str, count: int, seed: int) -> TaggedItems:
+def tagged_items_of(scene: PileScene, placement: str, count: int, seed: int, *, only_soft: bool = False) -> TaggedItems:
     """Deal tags, as many as there are items for: up to `count`. The same seed deals the same to every method.
+
+    With `only_soft` nothing rigid gets one.
 
     Raises:
         InputError: If the number is negative.
     """
     if count < 0:
         raise InputError(f"{count} tags: cannot be", got=count)
-    most = sum(item.taggable and item.number != scene.target for item in scene.items)
+    most = sum(
+        item.taggable and item.number != scene.target and (item.deformable or not only_soft) for item in scene.items
+    )
     rng = np.random.default_rng([seed, 7])
     if count == 0 and placement == "any":
         placement = "none"
-    return tag_items(scene, placement, min(count, most), rng)
+    return tag_items(scene, placement, min(count, most), rng, only_soft=only_soft)

@@ -55,9 +55,7 @@ def draw_target(number: int, rng: np.random.Generator) -> PileItem:
     return PileItem(number, kind, np.array(size_m), material, TARGET_RGB)
 
 
-def draw_distractor(
-    number: int, cover_share: float, rng: np.random.Generator, cushion_share: float = 0.0
-) -> PileItem:
+def draw_distractor(number: int, cover_share: float, rng: np.random.Generator, cushion_share: float = 0.0) -> PileItem:
     """Draw a cover or a cushion with their probabilities, otherwise one of the rigid kinds."""
     drawn = rng.random()
     if drawn < cover_share:

@@ -15,11 +15,12 @@ from rfcompass.types.record import Record
 # Of the joints of one item: place and quaternion (w, x, y, z) of its middle panel, then its hinges from -x to +x [rad].
 # Of a cushion: those of the whole thing before it gives way, fixed to its lower half, then the slide of the upper [m].
 ROOT = 7
-# Cushions, all ours; not in `PilePhysics`, which is part of the hash of every scene that is stored. The upper half slides
-# down by at most this share of the thickness. Its spring begins to give at this force [N] and takes this much more at
-# the end of the range; the slide's damping over its stiffness is this time [s].
+GRAVITY_M_S2 = 9.81
+# Cushions, all ours; not in `PilePhysics`, which is part of the hash of every stored scene. The upper half slides down
+# by at most this share of the thickness. Where it has gone down by the share s, its spring takes the weight of that
+# half and A s + C s³ on top of it, A and C in newton; the slide's damping [N·s/m].
 CUSHION_GIVES = 0.45
-CUSHION_FIRST_N, CUSHION_MORE_N, CUSHION_DAMPING_S = 0.3, 3.0, 0.05
+CUSHION_A_N, CUSHION_C_N, CUSHION_DAMPING_N_S_M = 0.8, 33.0, 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +119,7 @@ def compile_pile(items: Sequence[PileItem], physics: PilePhysics, hand: HandXml 
 
 
 def panel_order(item: PileItem) -> tuple[int, ...]:
-    """Panels of an item in the order of MuJoCo's bodies: the middle one, then to +x, then to -x; a cushion's upwards."""
+    """Panels of an item in MuJoCo's order of bodies: the middle one, then to +x, then to -x; a cushion's upwards."""
     if item.kind == "cushion":
         return (0, 1)
     if item.kind != "cover":
@@ -173,16 +174,28 @@ def _body_xml(item: PileItem) -> str:
 def _cushion_xml(item: PileItem) -> str:
     """Two halves, parent and child, which MuJoCo does not let push each other; the upper one slides on a spring."""
     thick_m = float(item.size_m[2])
-    gives_m = CUSHION_GIVES * thick_m
-    stiffness_n_m = CUSHION_MORE_N / gives_m
     slide = (
-        f'<joint type="slide" axis="0 0 1" range="{-gives_m} 0" stiffness="{stiffness_n_m}" '
-        f'springref="{CUSHION_FIRST_N / stiffness_n_m}" damping="{CUSHION_DAMPING_S * stiffness_n_m}" '
-        'frictionloss="0" armature="0" solreflimit="0.01 1" solimplimit="0.95 0.99 0.0005"/>'
+        f'<joint type="slide" axis="0 0 1" range="{-CUSHION_GIVES * thick_m} 0" {_spring_xml(item)} '
+        f'damping="{CUSHION_DAMPING_N_S_M}" frictionloss="0" armature="0" solreflimit="0.01 1" '
+        'solimplimit="0.999 0.999 0.0005"/>'
     )
     lower, upper = (f'<geom pos="0 0 {sign * thick_m / 4}"{_geom_xml(item)[5:]}' for sign in (-1, 1))
     inner = f'<body name="{item.number}_1">{slide}{upper}</body>'
     return f'<body name="{item.number}_0"><freejoint/>{lower}{inner}</body>\n'
+
+
+def _spring_xml(item: PileItem) -> str:
+    """Spring of a cushion, which MuJoCo lets pull by -(a x + b x² + c x³), x from where it would be free [m].
+
+    That is P(s) = w + A s + C s³ about its root, s = -r: x is -(s + r) thicknesses. w is the weight of one half, so
+    that a cushion with nothing on it keeps its height.
+    """
+    thick_m, half_n = float(item.size_m[2]), item.mass_kg * GRAVITY_M_S2 / 2
+    roots = np.roots([CUSHION_C_N, 0.0, CUSHION_A_N, -half_n])
+    r = float(roots[np.isreal(roots)].real.max())
+    terms = ((CUSHION_A_N + 3 * CUSHION_C_N * r**2) / thick_m, 3 * CUSHION_C_N * r / thick_m**2)
+    stiffness = " ".join(map(str, (*terms, CUSHION_C_N / thick_m**3)))
+    return f'stiffness="{stiffness}" springref="{r * thick_m}"'
 
 
 def _chain_xml(item: PileItem, panels: range) -> str:
@@ -216,7 +229,7 @@ def _geom_xml(item: PileItem) -> str:
 
 
 def flat_state(item: PileItem, T_world_item: FloatArray) -> FloatArray:
-    """State of an item at a pose, a cover spread out, a cushion free; homogeneous pose, shape (4, 4), to shape (7 + joints,)."""
+    """State of an item at a pose (4, 4), a cover spread out, a cushion not pressed; shape (7 + joints,)."""
     quaternion = np.empty(4)
     load_mujoco().mju_mat2Quat(quaternion, np.ascontiguousarray(T_world_item[:3, :3]).reshape(9))
     return np.concatenate([T_world_item[:3, 3], quaternion, np.zeros(item.joints)])

@@ -59,11 +59,14 @@ class PileFamily(Record):
 
 # The paper's levels of complexity: 20, 25 and 42 distractors in two, three and three piles; the smallest is ours.
 _LEVELS = {"1p10": (10,), "2p20": (10, 10), "3p25": (9, 8, 8), "3p42": (14, 14, 14)}
-# Most things in the paper's piles were soft; ours for its deformable kernel are mostly cushions and covers.
-_SOFT = {"cover_share": 0.2, "cushion_share": 0.45}
+# Of soft things, for the paper's deformable kernel: about two thirds of the distractors are covers or cushions.
+_SOFT = tuple(
+    PileFamily(f"soft_{level}", "poured", _LEVELS[level], cover_share=0.2, cushion_share=0.45)
+    for level in ("1p10", "3p25")
+)
 FAMILIES: Mapping[str, PileFamily] = MappingProxyType(
     {f"{way}_{level}": PileFamily(f"{way}_{level}", way, counts) for way in WAYS for level, counts in _LEVELS.items()}
-    | {f"soft_{level}": PileFamily(f"soft_{level}", "poured", _LEVELS[level], **_SOFT) for level in ("1p10", "3p25")}
+    | {kind.name: kind for kind in _SOFT}
 )
 
 

@@ -108,7 +108,7 @@ class PileItem(Record):
 
     @property
     def panel_size_m(self) -> FloatArray:
-        """Edges of one panel of a cover, of one half of a cushion; of the whole item if it is neither [m], shape (3,)."""
+        """Edges of a panel of a cover, of a half of a cushion; of the whole item if it is neither [m], shape (3,)."""
         if self.kind not in _PANELS_ALONG:
             return self.size_m
         return self.size_m * (1 / _PANELS_ALONG[self.kind])

@@ -73,7 +73,10 @@ def target_pile(kind: PileFamily, wanted: str, count: int, rng: np.random.Genera
 def _poured_pile(kind: PileFamily, wanted: str, count: int, rng: np.random.Generator, physics: PilePhysics) -> OnePile:
     candidates = min(kind.candidates, count + 1)
     items = [draw_target(number, rng) for number in range(1, candidates + 1)]
-    items += [draw_distractor(number, kind.cover_share, rng, kind.cushion_share) for number in range(candidates + 1, count + 2)]
+    items += [
+        draw_distractor(number, kind.cover_share, rng, kind.cushion_share)
+        for number in range(candidates + 1, count + 2)
+    ]
     # Poured in any order: a target may be the first or the last to go in.
     world = pour([items[i] for i in rng.permutation(len(items))], rng, physics=physics)
     seen = sights(world, list(range(1, candidates + 1)), scan_poses())
@@ -116,7 +119,9 @@ def other_pile(kind: PileFamily, count: int, first: int, rng: np.random.Generato
     Poured again if it does not come to rest, as it has no say in where the target is.
     """
     for pour_again in reversed(range(_POURS)):
-        items = [draw_distractor(number, kind.cover_share, rng, kind.cushion_share) for number in range(first, first + count)]
+        items = [
+            draw_distractor(number, kind.cover_share, rng, kind.cushion_share) for number in range(first, first + count)
+        ]
         try:
             world = pour(items, rng, physics=physics)
         except PileUnsettled:

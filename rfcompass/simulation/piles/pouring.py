@@ -7,9 +7,9 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import PileError, PileUnsettled
-from rfcompass.simulation.piles.engine import PilePhysics, flat_state, panel_order
+from rfcompass.simulation.piles.engine import GRAVITY_M_S2, PilePhysics, flat_state, panel_order
 from rfcompass.simulation.piles.items import PileItem
-from rfcompass.simulation.piles.world import GRAVITY_M_S2, PileWorld
+from rfcompass.simulation.piles.world import PileWorld
 from rfcompass.types.record import Record
 
 
@@ -91,7 +91,7 @@ def _pulls(world: PileWorld, pull: float) -> dict[int, FloatArray]:
 
 
 def _let_go(item: PileItem, place_m: FloatArray, above_m: float, rng: np.random.Generator) -> FloatArray:
-    """Pose at which an item is let go: cover or cushion flat, with any heading, a cushion either way up; else anyhow."""
+    """Pose at which an item is let go: covers and cushions flat, any heading, cushions either way up, others anyhow."""
     T = np.eye(4)
     if item.deformable:
         yaw = rng.uniform(0.0, np.pi)

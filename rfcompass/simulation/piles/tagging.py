@@ -26,7 +26,7 @@ class ItemTag(Record):
     Attributes:
         epc: Its EPC.
         number: The item's number.
-        point_m: Middle of the tag in the item frame, of a cover's middle panel [m], shape (3,).
+        point_m: Middle of the tag in the item frame, of a cover's middle panel, a cushion's lower half [m], shape (3,).
         dipole: Direction of its antenna in that frame, unit vector, shape (3,).
     """
 
@@ -71,7 +71,9 @@ class TaggedItems(Record):
         return [tag.epc for tag in tags], np.reshape(points, (-1, 3)), np.reshape(dipoles, (-1, 3))
 
 
-def tag_items(scene: PileScene, placement: str, count: int, rng: np.random.Generator) -> TaggedItems:
+def tag_items(
+    scene: PileScene, placement: str, count: int, rng: np.random.Generator, *, only_soft: bool = False
+) -> TaggedItems:
     """Choose which items are tagged, and where on them.
 
     "touching": at least one touches the target. "same_pile": at least one is in the target's pile, and none touches it.
@@ -84,6 +86,7 @@ def tag_items(scene: PileScene, placement: str, count: int, rng: np.random.Gener
         placement: One of `PLACEMENTS`.
         count: Tagged distractors.
         rng: Source of the choice.
+        only_soft: Whether only distractors that give way are tagged.
 
     Raises:
         PileError: If there are not enough such items; says how many there are.
@@ -91,7 +94,7 @@ def tag_items(scene: PileScene, placement: str, count: int, rng: np.random.Gener
     if placement not in PLACEMENTS or (placement == "none" and count):
         message = f"placement {placement!r} of {count} tags: it is one of {', '.join(PLACEMENTS)}, 'none' of none"
         raise PileError(message, key="placement", got=placement)
-    where = _Neighbourhood(scene, scene.world())
+    where = _Neighbourhood(scene, scene.world(), only_soft)
     first, rest = where.allowed(placement)
     chosen = _chosen(first, rest, count, placement, rng)
     if placement == "target":
@@ -108,11 +111,15 @@ def tag_items(scene: PileScene, placement: str, count: int, rng: np.random.Gener
 class _Neighbourhood:
     """Where taggable distractors are, as seen from the target."""
 
-    def __init__(self, scene: PileScene, world: PileWorld) -> None:
+    def __init__(self, scene: PileScene, world: PileWorld, only_soft: bool) -> None:
         self._scene = scene
         self._touching = world.touching(scene.target)
         self._centres_m = {item.number: world.pose(item.number)[:2, 3] for item in scene.items}
-        self.numbers = [item.number for item in scene.items if item.taggable and item.number != scene.target]
+        self.numbers = [
+            item.number
+            for item in scene.items
+            if item.taggable and item.number != scene.target and (item.deformable or not only_soft)
+        ]
 
     def allowed(self, placement: str) -> tuple[list[int], list[int]]:
         """Items of which one must be tagged, and all that may be."""

@@ -23,7 +23,6 @@ from rfcompass.simulation.piles.engine import (
 from rfcompass.simulation.piles.items import PileItem
 from rfcompass.types.record import Record
 
-GRAVITY_M_S2 = 9.81
 # At rest: in a quarter of a second nothing moves further than this. Ours.
 QUIET_S, QUIET_M = 0.25, 1e-4
 # Quiet spells in a row that count as rest; and how much finer time passes when a simulation has blown up.
