@@ -351,8 +351,24 @@ SECTIONS = (
      pile_tables("error_table")),
     ("**Where is the hidden target?** `map-quality`: log-loss in bits · mean rank of the true voxel in %. What tags save:\n"
      "[Posterior map](posterior_map.md).", pile_tables("maps_table")),
+    ("**Who finds the hidden thing?** `searches`: every method on the same piles, executed grasps; FuseBot's Tables 1 to 3 are of\n"
+     "real piles. What differs, and what the paper orders: [Searching a pile](search.md).", search_table),
     ("**How fast?** `rfcompass bench`, ours and the peer's in one run.", bench_table),
 )  # fmt: skip
+
+
+def searched(got):
+    """Shares found and mean actions of three arms."""
+    arms = ("fusebot_8", "xray", "ours_8")
+    found, actions = ([got.rows.column(f"{what}_{arm}").drop_null().to_numpy().mean() for arm in arms] for what in ("found", "all"))
+    return f"{' / '.join(f'{100 * v:.0f}' for v in found)} %; {' / '.join(f'{v:.2f}' for v in actions)}"
+
+
+def search_table(runs):
+    """Tables 1 and 2 in one, all families together."""
+    from write_search import main_table
+
+    return main_table(Results(runs, "searches"))
 
 
 def headlines(runs):
@@ -403,6 +419,8 @@ def headlines(runs):
          " / ".join(maps.own("covered_3p25", f"bits_{name}", "mean")
                     for name in ("c", "map_consistent_8_exact", "posterior_0", "posterior_8_exact")), "–", "simulated",
          "`map-quality`"],
+        ["searches that find the hidden thing; mean actions, 16 where not: FuseBot, 8 tags; X-Ray; ours, 8 tags",
+         searched(Results(runs, "searches")), "95 / 84 %, measured; means not printed", "simulated", "`searches`"],
         ["tag from a rail of 1 m, in the plane, D1test / D2 / D4",
          " / ".join(survey.own(f, "hyperbolic", "plane_error_m", "median") for f in ("D1test", "D2", "D4")) + " cm",
          "–", "measured", "`measured-survey`"],
@@ -422,6 +440,13 @@ def write_grasp_trials(runs):
     write(runs)
 
 
+def write_search(runs):
+    """Write the tables of the page on searches."""
+    from write_search import write
+
+    write(runs)
+
+
 def main(runs):
     """Replace what stands between the two markers of the README, and write the page of all tables."""
     parts = [f"{text}\n\n{make(runs)}" for text, make in SECTIONS]
@@ -435,6 +460,7 @@ def main(runs):
     README.write_text(f"{before}{BEGIN}\n\n{shown}\n\n{END}{after}", encoding="utf-8")
     write_grasp_trials(runs)
     write_piles(runs)
+    write_search(runs)
 
 
 if __name__ == "__main__":

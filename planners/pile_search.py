@@ -17,7 +17,7 @@ import numpy as np
 
 from planners.extraction import best_cluster
 from planners.search_method import NEAR_M, OVERHEAD, SearchMethod
-from planners.target_grasp import grasp_target
+from planners.target_grasp import grasp_again, grasp_target
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError, NothingHidden, NothingToGrasp, OutOfReach
 from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
@@ -102,6 +102,10 @@ class PileSearch:
     _located: int = field(init=False, repr=False, default=0)
     _in_sight: PileLook | None = field(init=False, repr=False, default=None)
 
+    def __post_init__(self) -> None:
+        """Begin with nothing seen."""
+        self._seen = VisualMap.empty(self.workspace)
+
     def run(self) -> SearchResult:
         """Search to the end, whatever that is."""
         try:
@@ -170,7 +174,8 @@ class PileSearch:
         if found is None or not len(found.points_m):
             return None
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        action, on_target = grasp_target(view, found.pixels, masks, grasps, self._failed_m)
+        table_m = self.workspace.table_m
+        action, on_target = grasp_target(view, found.pixels, masks, grasps, self._failed_m, table_m)
         return self._act(view, masks, None, action, on_target=on_target)
 
     def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:
@@ -178,7 +183,16 @@ class PileSearch:
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         failed = self._failed_m if self.method.remembers else ()
         action = self.method.policy.choose(grid, view, masks, grasps, failed)
+        if self.method.looks_closer:
+            action = self._closer(action)
         return self._act(view, masks, grid, action, on_target=False)
+
+    def _closer(self, action: ExtractionAction) -> ExtractionAction:
+        """The same object, grasped as an image from near above shows it; as before if that shows no grasp."""
+        view = self.robot.look(action.T_world_hand[:3, 3], NEAR_M).views[0]
+        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
+        failed = self._failed_m if self.method.remembers else ()
+        return grasp_again(action, view, masks, grasps, failed)
 
     def _believed(self) -> VoxelGrid:
         belief = self.method.belief

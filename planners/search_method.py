@@ -32,6 +32,8 @@ class SearchMethod(Record):
         looks: `cluster`: from near above the likeliest part of the map. `overhead`: from where one image shows all.
         update_edge_m: Edge of the cube about a grasp that is looked at again after it [m]; 10 cm in the paper.
         remembers: Whether the policy is told where grasps have failed.
+        looks_closer: Look at the chosen object from near above before it is grasped; ours. From afar one sees what to
+            take, from near how.
     """
 
     name: str
@@ -40,6 +42,7 @@ class SearchMethod(Record):
     looks: str = CLUSTER
     update_edge_m: float = LOCAL_EDGE_M
     remembers: bool = False
+    looks_closer: bool = False
 
     def __post_init__(self) -> None:
         """Check the views and the edge."""

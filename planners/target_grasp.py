@@ -1,19 +1,22 @@
-"""A target in sight: grasp it, or first what stands in the way of that [Boroushaki2023], sections 4.5.2 and 5."""
+"""Grasps of a given object: of a target in sight [Boroushaki2023], sections 4.5.2 and 5, or of one chosen from afar."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import ndimage
 
-from planners.grasp_at_pixel import grasp_at_pixel
+from planners.extraction.candidates import tried_before
+from planners.grasp_at_pixel import grasp_across, grasp_at_pixel
 from rfcompass.arrays import BoolArray, FloatArray
 from rfcompass.errors import NothingToGrasp
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
 
-# Ours. Below the first, a target is not worth a try while a neighbour can be taken; pixels so near to a failed grasp,
-# seen from above, are not tried again [m]; how far off a neighbour may be [pixel].
-_WORTH, _AGAIN_M, _BESIDE_PX = 0.15, 0.02, 6
+# Ours. Below the first, a target is not worth a try while a neighbour can be taken; how far off that may be [pixel].
+_WORTH, _BESIDE_PX = 0.15, 6
+# Ours: an object so near to where a grasp was chosen, seen from above, is the one that it was chosen for [m].
+_SAME_M = 0.02
 
 
 def grasp_target(
@@ -22,6 +25,7 @@ def grasp_target(
     masks: InstanceMasks,
     grasps: GraspMaps,
     failed_m: Sequence[FloatArray] = (),
+    table_m: float = 0.0,
 ) -> tuple[ExtractionAction, bool]:
     """Choose the best grasp of a target in sight; if that is hardly one, the best of what lies beside it.
 
@@ -31,6 +35,7 @@ def grasp_target(
         masks: Objects in the view.
         grasps: The best grasp at each pixel.
         failed_m: Where grasps have failed, in the world [m], shape (3,) each.
+        table_m: Height of the table in the world [m].
 
     Returns:
         The action, and whether it goes for the target.
@@ -42,7 +47,9 @@ def grasp_target(
     if not seen.any():
         message = f"none of the target's {int(target.sum())} pixels has a depth"
         raise NothingToGrasp(message, masks=masks.count)
-    quality = np.where(_tried(view, failed_m), 0.0, grasps.quality)
+    # The target is an object of its own here, whatever else its mask covers: what failed on it counts for it alone.
+    objects = InstanceMasks(np.where(target, masks.labels.max() + 1, masks.labels))
+    quality = grasps.quality * tried_before(points_image(view), objects, failed_m)
     own = _best(quality, seen)
     beside = ndimage.binary_dilation(target, iterations=_BESIDE_PX) & ~target
     labels = [int(label) for label in np.unique(masks.labels[beside]) if label > 0]
@@ -50,10 +57,43 @@ def grasp_target(
     if quality[own] < _WORTH and others.any():
         other = _best(quality, others)
         if quality[other] > max(quality[own], _WORTH):
-            return _action(view, grasps, other, int(masks.labels[other]), float(quality[other])), False
-    if quality[own] == 0.0:  # nothing there looks like a grasp: its middle
-        own = _middle(seen)
-    return _action(view, grasps, own, int(masks.labels[own]), float(quality[own])), True
+            return _action(grasp_at_pixel(view, grasps, *other), int(masks.labels[other]), float(quality[other])), False
+    placed = grasp_at_pixel(view, grasps, *own) if quality[own] > 0 else grasp_across(view, seen, table_m)
+    return _action(placed, int(masks.labels[own]), float(quality[own])), True
+
+
+def grasp_again(
+    action: ExtractionAction,
+    view: DepthView,
+    masks: InstanceMasks,
+    grasps: GraspMaps,
+    failed_m: Sequence[FloatArray] = (),
+) -> ExtractionAction:
+    """Choose the grasp of an object anew in another image, one from nearer.
+
+    Args:
+        action: What was chosen in the first image.
+        view: The second one.
+        masks: Its objects.
+        grasps: The best grasp at each of its pixels.
+        failed_m: Where grasps have failed, in the world [m], shape (3,) each.
+
+    Returns:
+        The best grasp on the object that the second image shows where the first grasp was, with the scores and the
+        label of the first; the first action itself where there is no such object, or no grasp on it.
+    """
+    points_m = points_image(view)
+    off_m = np.linalg.norm(points_m[..., :2] - action.T_world_hand[:2, 3], axis=2)
+    off_m = np.where(np.isfinite(off_m) & (masks.labels > 0), off_m, np.inf)
+    nearest = np.unravel_index(int(off_m.argmin()), off_m.shape)
+    if not off_m[nearest] < _SAME_M:
+        return action
+    quality = grasps.quality * tried_before(points_m, masks, failed_m)
+    best = _best(quality, (masks.labels == masks.labels[nearest]) & np.isfinite(view.depth_m))
+    if not quality[best] > 0:
+        return action
+    T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *best)
+    return replace(action, T_world_hand=T_world_hand, aperture_m=aperture_m)
 
 
 def _best(quality: FloatArray, pixels: BoolArray) -> tuple[int, int]:
@@ -61,22 +101,6 @@ def _best(quality: FloatArray, pixels: BoolArray) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def _middle(pixels: BoolArray) -> tuple[int, int]:
-    where = np.argwhere(pixels)
-    row, column = where[np.argmin(np.linalg.norm(where - where.mean(axis=0), axis=1))]
-    return int(row), int(column)
-
-
-def _tried(view: DepthView, failed_m: Sequence[FloatArray]) -> BoolArray:
-    tried = np.zeros(view.depth_m.shape, dtype=bool)
-    if failed_m:
-        points_m = points_image(view)
-        for point_m in failed_m:
-            off_m = np.linalg.norm(points_m[..., :2] - point_m[:2], axis=-1)
-            tried |= np.nan_to_num(off_m, nan=np.inf) < _AGAIN_M
-    return tried
-
-
-def _action(view: DepthView, grasps: GraspMaps, pixel: tuple[int, int], label: int, quality: float) -> ExtractionAction:
-    T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *pixel)
+def _action(placed: tuple[FloatArray, float], label: int, quality: float) -> ExtractionAction:
+    T_world_hand, aperture_m = placed
     return ExtractionAction(label, T_world_hand, aperture_m, quality)

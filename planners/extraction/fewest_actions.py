@@ -81,7 +81,8 @@ class FewestActionsPolicy(MaskPolicy):
         target_m: Edges of the target [m], shape (3,).
         removals: R, how many removals at a place are thought of; 1 is greedy.
         enough: Share of the target that has to be seen from above to know it.
-        trust: The map is taken to this power, and to a sum of 1: below 1 for maps that are too sure of themselves.
+        trust: The map is taken to this power, and to a sum of 1: below 1 because maps are too sure of
+            themselves.
         layers: How things lie on each other.
         costs: What actions cost.
     """
@@ -90,7 +91,7 @@ class FewestActionsPolicy(MaskPolicy):
     target_m: FloatArray
     removals: int = 2
     enough: float = 0.25
-    trust: float = 1.0
+    trust: float = 0.3
     layers: LayerRules = field(default_factory=LayerRules)
     costs: ActionCosts = field(default_factory=ActionCosts)
 

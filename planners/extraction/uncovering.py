@@ -39,7 +39,8 @@ def mass_by_depth(
     surface = (columns.surface_m - grid.origin_m[2] - half_m) / grid.spacing_m
     depths = grid.values.shape[2] + int(np.ceil(max(np.nanmax(surface, initial=0.0), 0.0))) + 1
     mass = np.zeros((len(labels), depths))
-    _spread(mass, positive / max(total, 1e-300), group, surface, _disc(radius_m / grid.spacing_m), enough)
+    values, disc = positive / max(total, 1e-300), _disc(radius_m / grid.spacing_m)
+    _spread(mass, values, group, surface, disc, (enough, half_m / grid.spacing_m))
     return mass
 
 
@@ -52,9 +53,17 @@ def _disc(radius: float) -> IntArray:
 
 @numba.njit(cache=True)
 def _spread(
-    mass: FloatArray, values: FloatArray, group: IntArray, surface: FloatArray, disc: IntArray, enough: float
+    mass: FloatArray,
+    values: FloatArray,
+    group: IntArray,
+    surface: FloatArray,
+    disc: IntArray,
+    rules: tuple[float, float],
 ) -> None:
-    """Give each voxel's value to all objects over its disc; surface in voxels, less the target's half height."""
+    """Give each voxel's value to all objects over its disc; surface in voxels, less the target's half height.
+
+    The rules are the share that is enough, and the half height in voxels.
+    """
     count, height = np.zeros(len(mass)), np.zeros(len(mass))
     for i in range(values.shape[0]):
         for j in range(values.shape[1]):
@@ -62,8 +71,8 @@ def _spread(
                 continue
             _look_around(count, height, group, surface, disc, i, j)
             for k in np.flatnonzero(count):
-                seen = min(1.0, count[k] / len(disc) / enough)
-                _drop(mass[k], values[i, j], seen, height[k] / count[k])
+                seen = min(1.0, count[k] / len(disc) / rules[0])
+                _drop(mass[k], values[i, j], seen, height[k] / count[k], rules[1])
                 count[k], height[k] = 0.0, 0.0
 
 
@@ -80,8 +89,8 @@ def _look_around(
 
 
 @numba.njit(cache=True)
-def _drop(row: FloatArray, values: FloatArray, seen: float, surface: float) -> None:
-    """Add a column's values to a row, each at its depth under the surface."""
+def _drop(row: FloatArray, values: FloatArray, seen: float, surface: float, half: float) -> None:
+    """Add a column's values to a row, each at its depth under the surface; what is above that lies under nothing."""
     for z in range(len(values)):
-        if values[z] > 0.0:
+        if values[z] > 0.0 and z <= surface + half:
             row[max(int(np.floor(surface - z + 0.5)), 0)] += seen * values[z]

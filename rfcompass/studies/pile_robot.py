@@ -9,7 +9,7 @@ from planners.ik import IkRules, InverseKinematics
 from planners.path_timing import in_time
 from planners.pile_arm import ArmMotion, PileArm, link_poses
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NoAnswer, OutOfReach
+from rfcompass.errors import NoAnswer, OutOfReach, PileError
 from rfcompass.robots import load_robot
 from rfcompass.simulation import AntennaTrack, inventory_scan
 from rfcompass.simulation.piles import PileCamera, PileScene, PileWorld, TaggedItems, grasp_item, hear_tags
@@ -40,8 +40,7 @@ def pile_arm() -> PileArm:
 class SimulatedPileRobot:
     """A `PileRobot` over a scene; changes its world as it works.
 
-    Noise of one motion depends on the seed and on how many grasps there were before, not on what else was done: two
-    methods that do the same see the same.
+    Noise follows from the seed and from what was done so far: two methods that have done the same see the same.
 
     Args:
         scene: The pile; truth.
@@ -166,7 +165,10 @@ class SimulatedPileRobot:
         wanted = [epc for epc in there if epcs is None or epc in epcs]
         if not wanted:
             return ()
-        scan, fixes = inventory_scan(hear_tags(self.world, self.tags, track, rng), wanted, FRAME), []
+        try:
+            scan, fixes = inventory_scan(hear_tags(self.world, self.tags, track, rng), wanted, FRAME), []
+        except PileError:  # all of them have rolled off the table
+            return ()
         for epc in wanted:
             try:
                 fixes.append(PILE_SAR.locate(scan.traces[epc], SEARCH))

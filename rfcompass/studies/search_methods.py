@@ -5,6 +5,7 @@ updates of the map and the memory of failures that our own method has, so that o
 """
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from planners.extraction import (
     FewestActionsPolicy,
@@ -19,6 +20,13 @@ from planners.search_method import OVERHEAD, WHOLE_VIEW_M, SearchMethod
 from rfcompass.errors import InputError
 from rfcompass.types import ItemSize
 
+# Choose from where one image shows all, grasp from near, look again at all that a view shows, remember failures.
+_OUR_VIEWS: Mapping[str, Any] = {
+    "looks": OVERHEAD,
+    "looks_closer": True,
+    "update_edge_m": WHOLE_VIEW_M,
+    "remembers": True,
+}
 Maker = Callable[[ItemSize, int], SearchMethod]
 
 
@@ -55,8 +63,7 @@ def _fusebot_equal(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         name="fusebot_equal",
         policy=FuseBotPolicy(),
         belief=_with_own_tag(PaperBelief(), target),
-        update_edge_m=WHOLE_VIEW_M,
-        remembers=True,
+        **_OUR_VIEWS,
     )
 
 
@@ -65,8 +72,7 @@ def _fusebot_posterior(target: ItemSize, seed: int) -> SearchMethod:  # noqa: AR
         name="fusebot_posterior",
         policy=FuseBotPolicy(),
         belief=_with_own_tag(PosteriorBelief(), target),
-        update_edge_m=WHOLE_VIEW_M,
-        remembers=True,
+        **_OUR_VIEWS,
     )
 
 
@@ -81,8 +87,8 @@ def _spherical(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
 def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
     def make(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         policy = XRayPolicy(target_m=target.size_m, gate=gate, remembers=equal)
-        edge = {"update_edge_m": WHOLE_VIEW_M} if equal else {}
-        return SearchMethod(name=name, policy=policy, belief=None, looks=OVERHEAD, remembers=equal, **edge)
+        views = _OUR_VIEWS if equal else {"looks": OVERHEAD}
+        return SearchMethod(name=name, policy=policy, belief=None, **views)
 
     return make
 
@@ -90,10 +96,9 @@ def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
 def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
     return SearchMethod(
         name="ours",
-        policy=FewestActionsPolicy(target_m=target.size_m),
+        policy=FewestActionsPolicy(target_m=target.size_m, gate=True, removals=1),
         belief=_with_own_tag(PosteriorBelief(), target),
-        update_edge_m=WHOLE_VIEW_M,
-        remembers=True,
+        **_OUR_VIEWS,
     )
 
 

@@ -5,13 +5,11 @@ is the same for methods that have done the same so far.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from planners.extraction import FewestActionsPolicy
-from planners.search_method import WHOLE_VIEW_M, SearchMethod
 from rfcompass.errors import PileError, PileUnsettled
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.mapping import VisualMap
@@ -53,7 +51,6 @@ ARMS: Mapping[str, Arm] = {
     "xray": Arm("xray"),
     "xray_equal": Arm("xray_equal"),
     "naive": Arm("naive"),
-    "largest": Arm("largest"),
     "random": Arm("random"),
     "ours_0": Arm("ours"),
     "ours_8": Arm("ours", TAGS),
@@ -67,7 +64,6 @@ PAIRS: Sequence[tuple[str, str]] = (
     ("fusebot_own", "fusebot_0"),
     ("fusebot_0", "naive"),
     ("fusebot_0", "random"),
-    ("fusebot_0", "largest"),
     ("fusebot_no_gate", "fusebot_0"),
     ("fusebot_equal", "fusebot_0"),
     ("fusebot_equal", "xray_equal"),
@@ -116,9 +112,7 @@ def run_arm(arm: Arm, scene: PileScene, seed: int) -> SearchResult:
     task = SearchTask(scene, tags, seed)
     robot = task.robot()
     if arm.way == KNOWN:
-        policy = FewestActionsPolicy(target_m=tags.target_size.size_m)
-        told = TruePlace(robot)
-        method = SearchMethod(name=KNOWN, policy=policy, belief=told, update_edge_m=WHOLE_VIEW_M, remembers=True)
+        method = replace(search_method("ours", tags.target_size), name=KNOWN, belief=TruePlace(robot))
     else:
         method = search_method(arm.way, tags.target_size, seed)
     return SearchRun(task, method, robot).run()

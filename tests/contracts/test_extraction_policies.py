@@ -43,7 +43,7 @@ def named(policy):
     return f"{type(policy).__name__}({', '.join(changed)})"
 
 
-OURS = FewestActionsPolicy(target_m=TARGET_M, gate=True)
+OURS = FewestActionsPolicy(target_m=TARGET_M, gate=True, trust=1.0)
 every_policy = pytest.mark.parametrize("policy", POLICIES, ids=named)
 
 

@@ -187,6 +187,24 @@ def test_a_pile_that_the_arm_cannot_look_at_is_a_typed_end() -> None:
     assert (result.outcome, result.message) == ("out_of_reach", "the arm cannot look there")
 
 
+def test_a_table_that_the_arm_cannot_go_round_is_a_typed_end() -> None:
+    robot = ScriptedRobot([HELD])
+
+    def refuse() -> PileLook:
+        raise OutOfReach("the arm cannot go round the table")
+
+    robot.scan = refuse  # type: ignore[method-assign]
+    result = search(robot).run()
+    assert (result.outcome, result.actions, result.hidden_m3) == ("out_of_reach", 0, 0.0)
+
+
+def test_a_method_that_looks_closer_does_so_before_each_removal() -> None:
+    near, far = (ScriptedRobot([HELD, FOUND]) for _ in range(2))
+    search(near, looks_closer=True).run()
+    search(far).run()
+    assert len(near.heights_m) == len(far.heights_m) + 2
+
+
 def test_a_tag_that_is_not_located_calls_for_one_more_scan_whose_time_counts() -> None:
     for robot, scans in (
         (ScriptedRobot([FOUND]), 2),

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from planners.target_grasp import grasp_target
+from planners.target_grasp import grasp_again, grasp_target
 from rfcompass.errors import NothingToGrasp
 from rfcompass.mapping import back_project
-from rfcompass.types import DepthView, GraspMaps, InstanceMasks
+from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
 
 H, W = 40, 60
 K = np.array([[80.0, 0, 29.5], [0, 80.0, 19.5], [0, 0, 1]])
@@ -63,8 +63,8 @@ def test_a_poor_grasp_of_the_target_is_tried_where_nothing_better_is_near() -> N
     assert action.T_world_hand[:2, 3] == pytest.approx(place_m(20, 25)[:2])
 
 
-def test_where_a_grasp_failed_none_is_tried_again_near_it() -> None:
-    maps = grasps(r20c25=0.9, r16c21=0.4)
+def test_where_a_grasp_failed_another_place_is_tried() -> None:
+    maps = grasps(r20c25=0.9, r16c21=0.6)
     first, _ = go(maps)
     second, _ = go(maps, failed_m=[first.T_world_hand[:3, 3]])
     assert second.T_world_hand[:2, 3] == pytest.approx(place_m(16, 21)[:2])
@@ -81,3 +81,32 @@ def test_a_target_without_a_depth_is_nothing_to_grasp() -> None:
     depth_m[TARGET] = np.nan
     with pytest.raises(NothingToGrasp, match="100 pixels"):
         go(grasps(), view=DepthView(depth_m, K, DOWN))
+
+
+def again(maps: GraspMaps, at_m: np.ndarray, **more):
+    first = ExtractionAction(9, np.vstack([np.column_stack([DOWN[:3, :3], [*at_m, 0.05]]), [0, 0, 0, 1]]), 0.03, 2.0)
+    return first, grasp_again(first, view(), InstanceMasks(LABELS), maps, **more)
+
+
+def test_from_near_the_same_object_is_grasped_where_it_shows_best() -> None:
+    first, second = again(grasps(r18c36=0.7, r20c22=0.9), place_m(20, 34)[:2])
+    assert second.T_world_hand[:2, 3] == pytest.approx(place_m(18, 36)[:2])
+    assert (second.mask_label, second.score) == (first.mask_label, first.score)
+    assert second.aperture_m == pytest.approx(0.06)
+
+
+@pytest.mark.parametrize("maps", [grasps(), grasps(r20c22=0.9)])
+def test_without_a_grasp_on_it_from_near_the_first_one_stays(maps: GraspMaps) -> None:
+    first, second = again(maps, place_m(20, 36)[:2])
+    assert second is first
+
+
+def test_where_the_near_image_shows_no_object_the_first_grasp_stays() -> None:
+    first, second = again(grasps(r18c36=0.7), np.array([0.15, 0.10]))
+    assert second is first
+
+
+def test_from_near_failures_count_too() -> None:
+    maps = grasps(r18c36=0.7, r22c40=0.6)
+    _, second = again(maps, place_m(20, 34)[:2], failed_m=[place_m(18, 36)])
+    assert second.T_world_hand[:2, 3] == pytest.approx(place_m(22, 40)[:2])

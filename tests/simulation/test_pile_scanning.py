@@ -11,6 +11,7 @@ from rfcompass.simulation.piles import (
     PileRig,
     PileWorld,
     TaggedItems,
+    hear_tags,
     scan_pile,
     scan_poses,
     tag_cover,
@@ -114,3 +115,15 @@ def test_the_arm_errs_by_the_jitter_that_was_asked_for():
     )
     n = min(len(still), len(shaky))
     assert not np.allclose(still[:n], shaky[:n])
+
+
+def test_what_has_rolled_off_the_table_is_not_heard():
+    scene = tiny()
+    tags = tag_items(scene, "any", 2, np.random.default_rng(0))
+    states = dict(scene.states)
+    gone = tags.tags[0]
+    states[gone.number] = np.concatenate([[2.5, 0.0], states[gone.number][2:]])
+    world = PileWorld(scene.items, states, scene.physics)
+    heard = hear_tags(world, tags, TRACK, np.random.default_rng(0))
+    assert gone.epc not in heard.epcs
+    assert tags.tags[1].epc in heard.epcs

@@ -31,6 +31,8 @@ from rfcompass.types.record import Record
 FRAME = "table"  # of traces of such scans: z up, the table top is z = 0
 # The table's middle in the room of the recipe [m].
 _MIDDLE_M = (2.0, 2.0, 0.0)
+# Half the table's edges; what is further from its middle has rolled off [m]. Ours.
+_TABLE_M = 1.0
 # A tag under a thing that lies on the table is this high [m]; ours.
 _LEAST_M = 0.001
 
@@ -125,11 +127,17 @@ def scan_pile(
 def hear_tags(
     world: PileWorld, tags: TaggedItems, track: AntennaTrack, rng: np.random.Generator, rig: PileRig | None = None
 ) -> Inventory:
-    """Take one inventory along a track of the receiving antenna; arguments and errors as for `scan_pile`."""
+    """Take one inventory along a track of the receiving antenna; arguments and errors as for `scan_pile`.
+
+    What has rolled off the table is not heard.
+    """
     rig = PileRig() if rig is None else rig
-    epcs, points_m, dipoles = tags.placed(world)
+    placed_epcs, points_m, dipoles = tags.placed(world)
+    near = (np.abs(points_m[:, :2]) < _TABLE_M).all(axis=1)
+    epcs = [epc for epc, here in zip(placed_epcs, near, strict=True) if here]
     if not epcs:
         raise PileError("nothing on the table carries a tag", key="tags", got=0)
+    points_m, dipoles = points_m[near], dipoles[near]
     T_room_world = np.eye(4)
     T_room_world[:3, 3] = _MIDDLE_M
     points_m = np.maximum(points_m, [-np.inf, -np.inf, _LEAST_M]) + _MIDDLE_M

@@ -18,7 +18,7 @@ from rfcompass.types import VoxelGrid
 
 TARGET_M = np.array([0.05, 0.04, 0.03])
 ALIKE = (Block((-0.13, 0.0, 0.03), (0.10, 0.10, 0.06)), Block((0.13, 0.0, 0.03), (0.10, 0.10, 0.06)))
-OURS = FewestActionsPolicy(target_m=TARGET_M)
+OURS = FewestActionsPolicy(target_m=TARGET_M, trust=1.0)
 THE_TWO = np.array([1, 2])
 
 
@@ -60,6 +60,11 @@ def test_a_target_under_a_border_shows_when_either_object_goes():
     assert np.allclose(mass.sum(axis=1), 1.0)
     needs_most = mass_by_depth(*two_halves((4, 5, 2)), THE_TWO, 0.015, 0.02, 0.9).sum(axis=1)
     assert needs_most[1] < needs_most[0] < 1.0
+
+
+def test_what_would_be_above_the_surface_lies_under_nothing():
+    assert not mass_by_depth(*two_halves((1, 5, 9)), THE_TWO, 0.015, 0.02, 0.25).any()
+    assert mass_by_depth(*two_halves((1, 5, 7)), THE_TWO, 0.015, 0.02, 0.25)[0, 0] == 1.0
 
 
 def test_an_empty_map_has_no_mass():
