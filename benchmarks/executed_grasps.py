@@ -4,8 +4,8 @@ In each state the camera looks from 0.55 m at one pile. The best grasp on each o
 in a copy of the pile, and as many at pixels drawn at random among those that have any grasp. Then one of the things
 that were held is taken away for good, and the next state begins.
 
-    python -m benchmarks.executed_grasps --seeds 1000 1008 --out rows.npz
-    python -m benchmarks.executed_grasps --read rows.npz
+    RFCOMPASS_PILE_SCENES=FOLDER python -m benchmarks.executed_grasps --seeds 1000 1009 --out rows.npz
+    python -m benchmarks.grasp_success rows.npz
 """
 
 import argparse

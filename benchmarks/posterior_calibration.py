@@ -32,6 +32,7 @@ from rfcompass.localization import (
     SarLocalizer,
     measure_proximities,
 )
+from rfcompass.localization.noise_model import LEAST_BIAS_M
 from rfcompass.rf import meter
 from rfcompass.simulation import RIG_PAPER, PlaneRoom, Scatterers, SimulatedRobot
 from rfcompass.simulation.radio_sensing import Leg
@@ -102,10 +103,10 @@ def near_legs(room: PlaneRoom, rng: np.random.Generator) -> Sequence[Leg]:
     )
 
 
-def judged(stops: Sequence[Observation], truth: Pose2) -> Judged | None:
+def judged(stops: Sequence[Observation], truth: Pose2, localizer: PosteriorLocalizer | None = None) -> Judged | None:
     """Whether pose and centre are held, radius and error of the centre [m], error of θ [rad]; None without answer."""
     try:
-        posterior = PosteriorLocalizer().infer(stops).posterior
+        posterior = (localizer or PosteriorLocalizer()).infer(stops).posterior
     except NoAnswer:
         return None
     region_m, theta_rad = posterior.region(0.9), posterior.theta_rad
@@ -159,16 +160,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--no-metal", action="store_true", help="a robot that does not scatter")
     parser.add_argument("--seeds", type=int, default=60, help="how many, from 1000")
     parser.add_argument("--stops", type=int, choices=AFTER, default=AFTER[-1], help="stop there")
+    parser.add_argument("--floor-mm", type=float, default=1e3 * LEAST_BIAS_M, help="floor of the bias")
     parser.add_argument("--alone", action="store_true", help="without the other localizers")
     chosen = parser.parse_args(argv)
     near, metal = chosen.tracks == "near", not chosen.no_metal
+    ours = PosteriorLocalizer(least_bias_m=1e-3 * chosen.floor_mm)
     scenes = [
         stops_of(1000 + n, chosen.scene, chosen.noise, near, metal, chosen.tags, chosen.stops)
         for n in range(chosen.seeds)
     ]
     after = [count for count in AFTER if count <= chosen.stops]
     for count in after:
-        print(line(f"{count} stops", [judged(stops[:count], truth) for stops, truth in scenes]), flush=True)
+        print(line(f"{count} stops", [judged(stops[:count], truth, ours) for stops, truth in scenes]), flush=True)
     for count in () if chosen.alone else after[:2]:
         for name, localizer in OTHERS.items():
             print(f"{count} stops, {name}: {beside(localizer, [(stops[:count], truth) for stops, truth in scenes])}")

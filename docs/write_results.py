@@ -314,6 +314,20 @@ def pile_tables(which):
     return made
 
 
+def searched(got):
+    """Shares found and mean actions of three arms."""
+    arms = ("fusebot_8", "xray", "ours_8")
+    found, actions = ([got.rows.column(f"{what}_{arm}").drop_null().to_numpy().mean() for arm in arms] for what in ("found", "all"))
+    return f"{' / '.join(f'{100 * v:.0f}' for v in found)} %; {' / '.join(f'{v:.2f}' for v in actions)}"
+
+
+def search_table(runs):
+    """Tables 1 and 2 in one, all families together."""
+    from write_search import main_table
+
+    return main_table(Results(runs, "searches"))
+
+
 SECTIONS = (
     ("**Where are the tags?** `measured-survey`: ours (95 % interval); our own unpublished pilot study on all public\n"
      "sweeps of the set, with one channel for `hyperbolic`.", survey_table),
@@ -355,20 +369,6 @@ SECTIONS = (
      "real piles. What differs, and what the paper orders: [Searching a pile](search.md).", search_table),
     ("**How fast?** `rfcompass bench`, ours and the peer's in one run.", bench_table),
 )  # fmt: skip
-
-
-def searched(got):
-    """Shares found and mean actions of three arms."""
-    arms = ("fusebot_8", "xray", "ours_8")
-    found, actions = ([got.rows.column(f"{what}_{arm}").drop_null().to_numpy().mean() for arm in arms] for what in ("found", "all"))
-    return f"{' / '.join(f'{100 * v:.0f}' for v in found)} %; {' / '.join(f'{v:.2f}' for v in actions)}"
-
-
-def search_table(runs):
-    """Tables 1 and 2 in one, all families together."""
-    from write_search import main_table
-
-    return main_table(Results(runs, "searches"))
 
 
 def headlines(runs):

@@ -14,11 +14,12 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from planners.corner_ways import AreaM, way_past_corners
 from planners.grasp_question import pose_of
 from planners.margins import grown
 from planners.motion_check import RESOLUTION_M, MotionChecker
 from planners.path_search import GOAL_BLOCKED, SearchRules
-from planners.short_drive import first_part, plan_short_drive
+from planners.short_drive import first_part, plan_short_drive, shortened
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import TagNeverHeard
 from rfcompass.geometry.pose2 import Pose2
@@ -47,6 +48,11 @@ _DIRECTIONS = 16
 _TURNS_RAD = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0])
 _M_PER_RAD = 0.3
 _TRIED_GOALS = 4
+# Ours: ends of a way to the part that face it, or nearly, where none is free as far from it as is asked for [m, rad].
+_NEARER_M = (0.35, 0.45)
+_ASIDE_RAD = (0.0, np.pi / 4, -np.pi / 4)
+_SIDES = 24
+_SHORTCUTS = 60
 RULES = SearchRules(most_checks=5000)
 PART_CLEAR_M = 0.02  # ours: what the base keeps from the part that is sought, which the hand has to come near to [m]
 NEAR_M = 1.5  # ours: what is further from the robot than this is in no grasp's way, even after a short drive [m]
@@ -146,7 +152,7 @@ class DriveAround:
     world: World
     where: MapPose
     rng: np.random.Generator
-    area_m: tuple[tuple[float, float], tuple[float, float]] | None = None
+    area_m: AreaM | None = None
     clear_m: float = CLEAR_M
     rules: SearchRules = RULES
     part: Part | None = None
@@ -183,6 +189,8 @@ class DriveAround:
             start = self.robot.configuration(joints, T_map_stop @ stands)
             near = beside is not None and np.linalg.norm(stands.translation_m - beside.centre_m) <= NEAR_M
             lying = (self._lying(self.part, T_map_stop, beside),) if near and beside and self.part else ()
+            if approach is not None:
+                approach = replace(approach, part_m=T_map_stop.apply(approach.part_m))
             path = self._path(self._checker(start, lying), start, T_map_stop @ T_base_goal, approach)
         if approach is not None and path:
             path = first_part(path, approach.at_most_m)
@@ -258,8 +266,15 @@ class DriveAround:
         return World(tuple(replace(body, T_parent_body=back @ body.T_parent_body) for body in bodies))
 
     def _path(self, checker: MotionChecker, start: Configuration, T_map_goal: Pose2, approach: Approach | None) -> Path:
-        """Configurations on the map, from the start; empty if no way leads anywhere near the goal."""
+        """Configurations on the map, from the start; empty if no way leads anywhere near the goal.
+
+        The part of the approach is on the map by now.
+        """
         goal = self._inside(T_map_goal)
+        for goals in self._ends(start, goal, approach):
+            past = way_past_corners(checker, start, goals, self.area_m)
+            if past:
+                return shortened(checker, past, self.rng, _SHORTCUTS)
         found = plan_short_drive(checker, start, goal, self.rng, self.rules)
         if isinstance(found, Failure) and found.kind == GOAL_BLOCKED:
             for near in self._free_goals(checker, start, goal, approach):
@@ -267,6 +282,18 @@ class DriveAround:
                 if not isinstance(found, Failure):
                     break
         return () if isinstance(found, Failure) else found
+
+    def _ends(self, start: Configuration, goal: Pose2, approach: Approach | None) -> Iterator[list[Pose2]]:
+        """Where the way may end: at the goal, or as near to the part as the goal is, or else within its reach."""
+        if approach is None:
+            yield [goal]
+            return
+        towards = approach.part_m - start.base.translation_m
+        first_rad, far_m = float(np.arctan2(towards[1], towards[0])), _apart_m(goal, approach.part_m)
+        about = facing(approach.part_m, (far_m,), first_rad)
+        yield [goal, *(end for end in about if self._inside(end) == end)]
+        near = facing(approach.part_m, (*_NEARER_M, approach.reach_m), first_rad, _ASIDE_RAD)
+        yield [goal, *(end for end in near if self._inside(end) == end)]
 
     def _inside(self, goal: Pose2) -> Pose2:
         """The goal, moved into the area."""
@@ -281,7 +308,7 @@ class DriveAround:
         """Free goals for one that is not: the nearest to it, but first those, near the robot, that reach the part."""
         goals, count = _near(goal), 0
         if approach is not None:
-            part_m, robot_m = start.base.apply(approach.part_m), start.base.translation_m
+            part_m, robot_m = approach.part_m, start.base.translation_m
             reaching = [near for near in goals if _apart_m(near, part_m) <= approach.reach_m]
             reaching.sort(key=lambda near: round(_apart_m(near, robot_m), 9))
             goals = [*reaching, *(near for near in goals if _apart_m(near, part_m) > approach.reach_m)]
@@ -326,6 +353,23 @@ class DriveAround:
         """The part that is sought, wider than it is but no higher: the hand may pass over it, the base not."""
         shape = Box(part.size_m + np.array([2 * PART_CLEAR_M, 2 * PART_CLEAR_M, 0.0]))
         return Body(part.part_id, shape, homogeneous(T_map_base) @ pose_of(seen))
+
+
+def facing(
+    part_m: FloatArray, off_m: Sequence[float], first_rad: float, aside_rad: Sequence[float] = (0.0,)
+) -> list[Pose2]:
+    """Poses about a part that face it.
+
+    Args:
+        part_m: Where it is [m], shape (2,).
+        off_m: At which distances from it [m].
+        first_rad: Heading of the first of them.
+        aside_rad: By how much they may look past it.
+    """
+    headings_rad = first_rad + 2 * np.pi * np.arange(_SIDES) / _SIDES
+    rows = product(off_m, headings_rad.tolist(), aside_rad)
+    x_m, y_m = part_m.tolist()
+    return [Pose2(x_m - r * float(np.cos(a)), y_m - r * float(np.sin(a)), float(a + turn)) for r, a, turn in rows]
 
 
 def _apart_m(pose: Pose2, point_m: FloatArray) -> float:

@@ -57,15 +57,16 @@ class NoiseModel(Record):
         return self.pairs >= LEAST_PAIRS and self.rank_correlation >= LEAST_RANK_CORRELATION
 
 
-def fit_noise(stops: Sequence[PlacedStop]) -> NoiseModel:
+def fit_noise(stops: Sequence[PlacedStop], least_bias_m: float = LEAST_BIAS_M) -> NoiseModel:
     """Fit scale, noise and bias of one meter on the pairs of anchors of all stops.
 
     m_ij = c (d_ij + s(d_ij) t), t Student-4, and P(nearer wins), by maximum likelihood over a grid. A pair that
     did not move between stops counts once, with its mean. The bias is the root mean square of how far each anchor
-    seems from its place by its distances to the others, at least 1 cm.
+    seems from its place by its distances to the others, but no less than the floor.
 
     Args:
         stops: Stops of one meter.
+        least_bias_m: Floor of the bias [m].
 
     Returns:
         The model; with fewer than six pairs one of nothing but defaults.
@@ -79,7 +80,7 @@ def fit_noise(stops: Sequence[PlacedStop]) -> NoiseModel:
     a, b = np.unravel_index(best.argmax(), best.shape)
     count = sum(count for _, count, _ in fits)
     return NoiseModel(
-        scale, alpha_m, beta, _bias_m(stops, scale, np.array([alpha_m, beta])),
+        scale, alpha_m, beta, _bias_m(stops, scale, np.array([alpha_m, beta]), least_bias_m),
         float(_SCALES_M[a]), float(_LAPSES[b]), int(d.size), rank_correlation(d, m),
         sum(right for _, _, right in fits) / count if count else float("nan"),
     )  # fmt: skip
@@ -125,10 +126,10 @@ def _pairs(stops: Sequence[PlacedStop]) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(d)[first], np.bincount(which, np.concatenate(m)) / count
 
 
-def _bias_m(stops: Sequence[PlacedStop], scale: float, noise: FloatArray) -> float:
+def _bias_m(stops: Sequence[PlacedStop], scale: float, noise: FloatArray, least_m: float) -> float:
     errors = [own_fix_errors(stop.anchors_m, stop.anchor_m / scale, noise, PRIOR_BIAS_M) for stop in stops]
     found = np.concatenate(errors)
     found = found[np.isfinite(found[:, 0])]
     if not len(found):
         return LEAST_BIAS_M
-    return max(LEAST_BIAS_M, float(np.sqrt(np.mean(found**2))))
+    return max(least_m, float(np.sqrt(np.mean(found**2))))

@@ -102,6 +102,8 @@ class PosteriorLocalizer:
         lift_range_m: How much higher than stated the part may lie, (lowest, highest) [m]; None if its height is known.
             `sar_nearfield` takes the stated heights for granted: from scans it then measures anew at heights 5 cm
             apart, all as likely in the end as beforehand. Proximities of it that are ready-made cannot be helped.
+        least_bias_m: Floor of the standard deviation of a tag's bias [m]. 3 mm makes regions half as wide beside near
+            tracks where the robot does not scatter; see docs/posterior.md.
         probability: Probability of the region that the estimate carries.
         sample_count: Number of samples that the estimate carries.
         meter: Measures proximities where an observation does not bring its own; `auto` if None.
@@ -111,6 +113,7 @@ class PosteriorLocalizer:
     tempering: float = TEMPERING
     bounds_m: FloatArray | None = None
     lift_range_m: tuple[float, float] | None = None
+    least_bias_m: float = LEAST_BIAS_M
     probability: float = 0.9
     sample_count: int = 500
     meter: ProximityMeter | None = None
@@ -152,7 +155,8 @@ class PosteriorLocalizer:
         if all(np.isnan(stop.m).all() for stop in stops):
             epcs = observations[-1].part.epcs
             raise TagNeverHeard(f"no tag of {observations[-1].part.body} was heard", epc=list(epcs), heard=0)
-        noise = {kind: fit_noise([stop for stop in stops if stop.kind == kind]) for kind in {s.kind for s in stops}}
+        by_kind = {kind: [stop for stop in stops if stop.kind == kind] for kind in {s.kind for s in stops}}
+        noise = {kind: fit_noise(same, self.least_bias_m) for kind, same in by_kind.items()}
         why = self._why_not_distances(noise)
         if why is None:
             worst, bounds_m = max(noise.values(), key=lambda one: one.alpha_m), _bounds_of_distances(stops, noise)
@@ -254,6 +258,8 @@ class PosteriorLocalizer:
             raise InputError(f"use = {self.use!r}; one of {', '.join(get_args(Use))}", use=self.use)
         if not 0.0 < self.tempering <= 1.0:
             raise InputError(f"tempering = {self.tempering} lies outside (0, 1]", tempering=self.tempering)
+        if not self.least_bias_m > 0.0:
+            raise InputError(f"least_bias_m = {self.least_bias_m} is not above 0", least_bias_m=self.least_bias_m)
         if not 0.0 < self.probability < 1.0:
             raise InputError(f"probability = {self.probability} lies outside (0, 1)", probability=self.probability)
         if self.sample_count < 0:

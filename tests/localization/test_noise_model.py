@@ -135,6 +135,12 @@ def test_larger_biases_give_a_larger_bias_and_none_the_floor():
     assert mean_bias_m(Errors(0.0, 0.001)) == LEAST_BIAS_M
 
 
+def test_a_lower_floor_is_reached_where_nothing_is_biased_and_changes_nothing_elsewhere():
+    exact, biased = placed(0, M=3, errors=Errors(0.0, 0.001)), placed(0, M=3, errors=FAR)
+    assert fit_noise(exact, 0.003).bias_m < fit_noise(exact).bias_m == LEAST_BIAS_M
+    assert fit_noise(biased, 0.003) == fit_noise(biased)
+
+
 def test_five_pairs_tell_nothing():
     (stop,) = placed(M=1)
     few = np.full((9, 9), np.nan)

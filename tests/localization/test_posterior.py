@@ -283,9 +283,22 @@ def test_the_less_odometry_is_worth_the_more_the_newest_stop_counts_alone():
         assert unsure == pytest.approx(alone, rel=0.02)  # noise is still fitted on all stops
 
 
+def test_a_lower_floor_of_the_bias_makes_smaller_regions_where_nothing_is_biased():
+    stops, _ = scene(3, K=2, M=1, errors=Errors(0.0, 0.001))
+    sharp, plain = (PosteriorLocalizer(least_bias_m=floor_m).estimate(stops) for floor_m in (0.003, 0.01))
+    assert radius_m(sharp.region_m) < 0.8 * radius_m(plain.region_m)
+
+
 @pytest.mark.parametrize(
     "wrong",
-    [{"use": "guesses"}, {"tempering": 0.0}, {"tempering": 1.1}, {"probability": 1.0}, {"sample_count": -1}],
+    [
+        {"use": "guesses"},
+        {"tempering": 0.0},
+        {"tempering": 1.1},
+        {"probability": 1.0},
+        {"sample_count": -1},
+        {"least_bias_m": 0.0},
+    ],
 )
 def test_settings_that_make_no_sense_are_refused(wrong):
     with pytest.raises(InputError):

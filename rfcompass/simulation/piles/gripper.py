@@ -134,6 +134,10 @@ def grasp_item(
     raise PileUnsettled("the simulation of a grasp blew up", simulated_s=run.passed_s, creep_m=float("inf"))
 
 
+class _BlewUp(Exception):
+    """The simulation of a grasp is no longer one."""
+
+
 class _Run:
     """One grasp in a copy of the pile."""
 
@@ -163,6 +167,12 @@ class _Run:
 
     def grasp(self) -> ExecutedGrasp | None:
         """Go down, close, lift; None if the simulation blew up."""
+        try:
+            return self._grasped()
+        except _BlewUp:
+            return None
+
+    def _grasped(self) -> ExecutedGrasp | None:
         with quiet_mujoco():
             reached = self._descend()
             if not reached:
@@ -262,6 +272,9 @@ class _Run:
         self.data.ctrl[0] = target_m
         self._engine.mj_step(self.model, self.data)
         self.passed_s += self.model.opt.timestep
+        if self.data.time < self.passed_s / 2:
+            # The simulation blew up and was begun anew by MuJoCo, with everything in one place: steps of minutes.
+            raise _BlewUp
 
     def _gap_m(self) -> float:
         return float(max(0.0, self.data.qpos[-1] + self.data.qpos[-2]))

@@ -133,8 +133,8 @@ def hear_tags(
     """
     rig = PileRig() if rig is None else rig
     placed_epcs, points_m, dipoles = tags.placed(world)
-    near = (np.abs(points_m[:, :2]) < _TABLE_M).all(axis=1)
-    epcs = [epc for epc, here in zip(placed_epcs, near, strict=True) if here]
+    near = np.abs(points_m[:, :2]).max(axis=1, initial=0.0) < _TABLE_M
+    epcs = [placed_epcs[t] for t in np.flatnonzero(near)]
     if not epcs:
         raise PileError("nothing on the table carries a tag", key="tags", got=0)
     points_m, dipoles = points_m[near], dipoles[near]

@@ -183,9 +183,12 @@ class PileWorld:
     def _steps(self, duration_s: float, timestep_s: float) -> bool:
         """Let time pass; tell whether the simulation stayed sane."""
         self.model.opt.timestep = timestep_s
+        began_s = self.data.time
         with quiet_mujoco():
             for _ in range(round(duration_s / timestep_s)):
                 self._engine.mj_step(self.model, self.data)
+                if self.data.time < began_s:  # MuJoCo has begun anew, with everything in one place
+                    break
         self._engine.mj_forward(self.model, self.data)
         self.model.opt.timestep = self.physics.timestep_s
         warned = sum(int(self.data.warning[kind].number) for kind in range(len(self.data.warning)))
