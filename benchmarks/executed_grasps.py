@@ -26,7 +26,6 @@ from rfcompass.types import DepthView, GraspMaps
 from rfcompass.types.search import HELD
 
 STATES, MOST, LEAST_PIXELS, HEIGHT_M = 5, 4, 30, 0.55
-OUTCOMES = ("held", "slipped", "missed", "blocked")
 
 
 class _Copy(PileWorld):

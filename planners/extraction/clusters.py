@@ -57,11 +57,6 @@ def best_cluster(grid: VoxelGrid, threshold: float = THRESHOLD) -> Cluster:
     return max(clusters_of(grid, threshold), key=lambda cluster: cluster.mean)
 
 
-def heaviest_cluster(grid: VoxelGrid, threshold: float = THRESHOLD) -> Cluster:
-    """Find the cluster with the most mass; ours. Arguments and errors as for `best_cluster`."""
-    return max(clusters_of(grid, threshold), key=lambda cluster: cluster.mass)
-
-
 def clusters_of(grid: VoxelGrid, threshold: float = THRESHOLD) -> tuple[Cluster, ...]:
     """Cut a map into clusters; arguments and errors as for `best_cluster`."""
     if not 0 <= threshold < 1:

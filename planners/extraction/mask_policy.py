@@ -87,18 +87,6 @@ class MaskPolicy(Record, ABC):
         best = int(np.lexsort((np.arange(len(values)), -quality, -values))[0])
         return take(scene, best, values)
 
-    def scores(
-        self,
-        grid: VoxelGrid,
-        view: DepthView,
-        masks: InstanceMasks,
-        grasps: GraspMaps,
-        failed_m: Sequence[FloatArray] = (),
-    ) -> dict[int, float]:
-        """Value of each object by its label, -inf where the gate bars it; arguments and errors as for `choose`."""
-        scene = scene_of(grid, view, masks, grasps, failed_m, remembers=self.remembers)
-        return dict(zip(scene.candidates.labels.tolist(), self.judged(scene).tolist(), strict=True))
-
     def judged(self, scene: Scene) -> FloatArray:
         """Value of each candidate after memory and gate; -inf for those that the gate bars, shape (K,)."""
         tried, values = scene.candidates.tried, self.values(scene)

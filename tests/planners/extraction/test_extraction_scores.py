@@ -127,3 +127,11 @@ def test_a_failure_counts_only_for_the_object_in_which_it_was():
     everywhere = [np.array([x, y, 0.06]) for x in np.arange(-0.2, -0.05, 0.03) for y in np.arange(-0.03, 0.08, 0.03)]
     assert policy.choose(*asked.parts(), everywhere).mask_label != 1
     assert dataclasses.replace(policy, remembers=False).choose(*asked.parts(), everywhere).mask_label == 1
+
+
+def test_an_action_carries_the_scores_that_were_compared():
+    asked = question(TWO, quality=(0.9, 0.2))
+    for gate, compared in ((False, {1, 2}), (True, {1})):
+        action = FuseBotPolicy(gate=gate).choose(*asked.parts())
+        assert set(action.scores) == compared
+        assert action.scores[action.mask_label] == action.score == max(action.scores.values())
