@@ -39,8 +39,8 @@ def straight_legs(positions_m: FloatArray, tolerance_m: float) -> list[IntArray]
     rows = np.arange(len(positions_m))
     if bend_m(positions_m) <= tolerance_m:
         return [rows]
-    cuts = _settled(positions_m, _farthest_cuts(positions_m, tolerance_m))
-    found = np.split(rows, _needed(positions_m, cuts, tolerance_m))
+    bounds = _settled(positions_m, [0, *_farthest_cuts(positions_m, tolerance_m), len(positions_m)])
+    found = np.split(rows, _needed(positions_m, bounds, tolerance_m)[1:-1])
     _check_straight(positions_m, found, tolerance_m)
     _check_corners(positions_m, found)
     return found
@@ -91,9 +91,9 @@ def _from_chord_m(positions_m: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(away, axis=1))
 
 
-def _settled(positions_m: FloatArray, cuts: list[int]) -> list[int]:
-    """Move each cut by a few rows to where the lines of both sides fit best; drop cuts that leave too little."""
-    bounds = [0, *cuts, len(positions_m)]
+def _settled(positions_m: FloatArray, bounds: list[int]) -> list[int]:
+    """Move each bound between two stretches by a few rows to where the lines of both sides fit best."""
+    bounds = list(bounds)
     for place in range(1, len(bounds) - 1):
         before, after = bounds[place - 1], bounds[place + 1]
         near = range(bounds[place] - LEAST_POSITIONS, bounds[place] + LEAST_POSITIONS + 1)
@@ -101,16 +101,24 @@ def _settled(positions_m: FloatArray, cuts: list[int]) -> list[int]:
         if choice:
             rests = [_rest(positions_m[before:cut]) + _rest(positions_m[cut:after]) for cut in choice]
             bounds[place] = choice[int(np.argmin(rests))]
-    return bounds[1:-1]
+    return bounds
 
 
-def _needed(positions_m: FloatArray, cuts: list[int], tolerance_m: float) -> list[int]:
-    """Drop cuts between stretches of one line."""
-    kept: list[int] = []
-    for cut, end in zip(cuts, [*cuts[1:], len(positions_m)], strict=True):
-        if bend_m(positions_m[kept[-1] if kept else 0 : end]) > tolerance_m:
-            kept.append(cut)
-    return kept
+def _needed(positions_m: FloatArray, bounds: list[int], tolerance_m: float) -> list[int]:
+    """Drop each bound without which, its neighbours settled again, the stretches are straight as well.
+
+    Noise can cut a sharp corner before and behind its tip; without one of both the other one finds it.
+    """
+    place = 1
+    while place < len(bounds) - 1:
+        first, end = max(place - 2, 0), place + 3
+        fewer = _settled(positions_m, [*bounds[first:place], *bounds[place + 1 : end]])
+        if all(bend_m(positions_m[slice(*leg)]) <= tolerance_m for leg in pairwise(fewer)):
+            bounds = [*bounds[:first], *fewer, *bounds[end:]]
+            place = max(place - 1, 1)
+        else:
+            place += 1
+    return bounds
 
 
 def _rest(positions_m: FloatArray) -> float:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from rfcompass.errors import UnsuitablePath
@@ -32,6 +32,8 @@ def arc(radius_m, angle_rad, step_m=STEP_M):
 
 
 @settings(max_examples=50)
+@example(legs=[1.0, 1.0, 1.625], turns=[2.125, 2.5625, 1.0], left=[False] * 3, seed=668)  # cut on both sides of a tip
+@example(legs=[1.0, 1.0, 1.625], turns=[1.125, 2.5625, 1.0], left=[False] * 3, seed=667)
 @given(
     legs=st.lists(lengths, min_size=2, max_size=4),
     turns=st.lists(angles, min_size=3, max_size=3),
