@@ -20,7 +20,7 @@ from planners.guided_drive import GuidedDrive, whole
 from planners.hand_over import hand_over
 from planners.near_antenna import NearAntenna
 from planners.time_account import TimeAccount, TimeSpent
-from planners.worth_driving import is_worth_driving
+from planners.worth_driving import LOST_M, doubt_m
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError, TagNeverHeard, TooFewReads
 from rfcompass.geometry.pose2 import Pose2
@@ -102,6 +102,11 @@ class FetchStep:
     estimate: PartEstimate
     in_reach: bool = False
     spent: TimeSpent = field(default_factory=TimeSpent)
+
+    @property
+    def doubt_m(self) -> float:
+        """How far off the centre may be; see `planners.worth_driving`."""
+        return doubt_m(self.estimate, self.proximity, self.observation.anchors)
 
     @property
     def measured(self) -> Observation:
@@ -321,22 +326,22 @@ class Fetch:
         return step
 
     def _found(self, phase: str) -> FetchStep:
-        """Scan until there is an answer to act on; if there is none, from wherever else the antenna can hear."""
-        best: FetchStep | NoAnswer | None = None
+        """Scan until there is an answer to act on, from wherever the antenna can hear; else the surest of all looks."""
+        looks = list[tuple[FetchStep, list[Observation]]]()
         while True:
             answer = self._answered(phase)
-            if isinstance(answer, FetchStep) and is_worth_driving(
-                answer.estimate, answer.proximity, answer.observation.anchors
-            ):
-                if self.antenna is not None:
-                    self.antenna.found()
-                return answer
-            if best is None or isinstance(answer, FetchStep):
-                best = answer
+            if isinstance(answer, FetchStep):
+                looks.append((answer, list(self._observations)))
+                if answer.doubt_m <= LOST_M:
+                    break
             if not self._looks_from_elsewhere():
-                if isinstance(best, NoAnswer):
-                    raise best
-                return best
+                break
+        if isinstance(answer, NoAnswer) and not looks:
+            raise answer
+        surest, self._observations = min(reversed(looks), key=lambda look: look[0].doubt_m)
+        if self.antenna is not None and surest.doubt_m <= LOST_M:
+            self.antenna.found()
+        return surest
 
     def _answered(self, phase: str) -> FetchStep | NoAnswer:
         """Scan once."""

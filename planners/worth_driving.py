@@ -2,20 +2,26 @@
 
 import numpy as np
 
+from rfcompass.arrays import FloatArray
 from rfcompass.rf.self_check import own_scale
 from rfcompass.types.estimate import PartEstimate
 from rfcompass.types.proximity import ProximityMatrix
 from rfcompass.types.tags import TagPositions
 
-# Ours, from the first stops of 80 tuning runs. Centres with a wider standard deviation were off by half of their
-# distance and more; and where the robot's own tags seemed twice as far apart as they are, by metres, however sure.
-LOST_M = 1.0
+# Ours, from tuning runs: a centre with a wider standard deviation leads over detours, those above 1 m were off by half
+# of their distance and more; and where the robot's own tags seemed twice as far apart as they are, by metres.
+LOST_M = 0.5
 MOST_STRETCHED = 2.0
 PLACED_M = 0.15  # ours: a part that is less well placed than this is no obstacle that one could drive around
 
 
 def is_worth_driving(estimate: PartEstimate, matrix: ProximityMatrix, anchors: TagPositions) -> bool:
-    """Tell whether a drive towards the part would lead there.
+    """Tell whether a drive towards the part would lead there; arguments as for `doubt_m`."""
+    return doubt_m(estimate, matrix, anchors) <= LOST_M
+
+
+def doubt_m(estimate: PartEstimate, matrix: ProximityMatrix, anchors: TagPositions) -> float:
+    """Standard deviation of the centre along its worst direction [m]; infinite where it rests on ghosts.
 
     Args:
         estimate: Where the part is; one without covariance is believed.
@@ -24,10 +30,10 @@ def is_worth_driving(estimate: PartEstimate, matrix: ProximityMatrix, anchors: T
     """
     scale = own_scale(matrix, anchors)
     if scale is not None and not 1.0 / MOST_STRETCHED <= scale <= MOST_STRETCHED:
-        return False
+        return float("inf")
     if estimate.covariance is None:
-        return True
-    return bool(np.linalg.eigvalsh(estimate.covariance[:2, :2])[-1] <= LOST_M**2)
+        return 0.0
+    return _worst_m(estimate.covariance)
 
 
 def is_placed(estimate: PartEstimate) -> bool:
@@ -39,4 +45,8 @@ def is_placed(estimate: PartEstimate) -> bool:
     """
     if estimate.covariance is None or not len(estimate.samples):
         return False
-    return bool(np.linalg.eigvalsh(estimate.covariance[:2, :2])[-1] <= PLACED_M**2)
+    return _worst_m(estimate.covariance) <= PLACED_M
+
+
+def _worst_m(covariance: FloatArray) -> float:
+    return float(np.sqrt(np.linalg.eigvalsh(covariance[:2, :2])[-1]))

@@ -104,6 +104,49 @@ def test_a_localizer_without_an_answer_ends_the_loop_and_the_stop_is_named():
     assert caught.value.numbers == {"rows": 3, "stop": 0, "phase": "navigate"}
 
 
+class Unsure(Clairvoyant):
+    """Knows the part, and says how unsure it is of each stop; notes the stops that it was given."""
+
+    def __init__(self, device, *sds_m):
+        super().__init__(device)
+        self.sds_m, self.given = sds_m, []
+
+    def estimate(self, observations):
+        self.given.append([observation.stop_id for observation in observations])
+        sd_m = self.sds_m[min(len(self.given), len(self.sds_m)) - 1]
+        if sd_m is None:
+            raise Infeasible("contradicting rows", rows=3)
+        return replace(super().estimate(observations), covariance=np.diag([0.01, sd_m**2, 0.01]))
+
+
+class Elsewhere:
+    """An antenna's carrier that has a few more places to listen from, and never comes nearer."""
+
+    def __init__(self, places):
+        self.places = places
+
+    def looks_from_elsewhere(self):
+        self.places -= 1
+        return self.places >= 0
+
+    def comes_nearer(self, observation, estimate):
+        return False
+
+    def found(self):
+        self.places = 0
+
+
+@pytest.mark.parametrize("doubts_m", [(2.0, 0.8, 1.5), (0.8, 2.0, None), (None, 3.0, 0.8), (2.0, 2.0, 0.8)])
+def test_if_no_look_is_worth_a_drive_the_surest_one_is_driven_to_and_alone_remembered(doubts_m):
+    device = a_device(2.0, 0.0)
+    seer = Unsure(device, *doubts_m, 0.1)
+    loop = Fetch(ROBOT, device, seer, ROBOT.posture("scan"), FetchRules(), None, Elsewhere(2))
+    first, second, *_ = loop.navigate()
+    assert np.sqrt(first.estimate.covariance[1, 1]) == pytest.approx(0.8)
+    assert first.observation.stop_id == doubts_m.index(0.8)
+    assert seer.given[3] == [first.observation.stop_id, second.observation.stop_id]
+
+
 class Cornered(SimulatedRobot):
     """A robot that a wall keeps from one side of the part: it cannot drive to x beyond the wall."""
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planners.worth_driving import LOST_M, MOST_STRETCHED, is_worth_driving
+from planners.worth_driving import LOST_M, MOST_STRETCHED, doubt_m, is_worth_driving
 from rfcompass.rf.self_check import own_scale
 from rfcompass.types import PartEstimate, ProximityMatrix, TagPositions
 
@@ -27,6 +27,12 @@ def estimate(sd_m=None):
 def test_it_is_the_worst_direction_that_counts():
     assert is_worth_driving(estimate((0.1, 0.99 * LOST_M)), matrix(), ANCHORS)
     assert not is_worth_driving(estimate((0.1, 1.01 * LOST_M)), matrix(), ANCHORS)
+
+
+@given(sd_m=st.tuples(st.floats(0.01, 5.0), st.floats(0.01, 5.0)))
+def test_doubt_is_the_larger_standard_deviation_and_infinite_over_ghosts(sd_m):
+    assert doubt_m(estimate(sd_m), matrix(), ANCHORS) == pytest.approx(max(sd_m))
+    assert doubt_m(estimate(sd_m), matrix(1.1 * MOST_STRETCHED), ANCHORS) == np.inf
 
 
 @given(stretched=st.floats(0.1, 10.0))
