@@ -17,7 +17,7 @@ import numpy as np
 
 from planners.extraction import best_cluster
 from planners.search_method import NEAR_M, OVERHEAD, SearchMethod
-from planners.target_grasp import grasp_again, grasp_target
+from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError, NothingHidden, NothingToGrasp, OutOfReach
 from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
@@ -25,6 +25,7 @@ from rfcompass.mapping import RED, ColourRule, VisualMap, find_visible_target, m
 from rfcompass.types import (
     DepthView,
     ExtractionAction,
+    GraspMaps,
     InstanceMasks,
     ItemSize,
     PileLook,
@@ -97,6 +98,7 @@ class PileSearch:
     _seen: VisualMap = field(init=False, repr=False)
     _fixes: dict[str, TagFix] = field(init=False, repr=False, default_factory=dict)
     _failed_m: list[FloatArray] = field(init=False, repr=False, default_factory=list)
+    _older_m: list[FloatArray] = field(init=False, repr=False, default_factory=list)
     _failures: int = field(init=False, repr=False, default=0)
     _done: list[SearchStep] = field(init=False, repr=False, default_factory=list)
     _located: int = field(init=False, repr=False, default=0)
@@ -175,24 +177,37 @@ class PileSearch:
             return None
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         table_m = self.workspace.table_m
-        action, on_target = grasp_target(view, found.pixels, masks, grasps, self._failed_m, table_m)
-        return self._act(view, masks, None, action, on_target=on_target)
+        chosen = grasp_target(view, found.pixels, masks, grasps, self._tried_m, table_m)
+        return self._act(view, masks, None, self._spared(chosen, view, masks, grasps))
 
     def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:
         """Take off what the policy chooses."""
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         failed = self._failed_m if self.method.remembers else ()
         action = self.method.policy.choose(grid, view, masks, grasps, failed)
-        if self.method.looks_closer:
-            action = self._closer(action)
-        return self._act(view, masks, grid, action, on_target=False)
+        chosen = self._closer(action) if self.method.looks_closer else ChosenGrasp(action, 1.0)
+        return self._act(view, masks, grid, chosen)
 
-    def _closer(self, action: ExtractionAction) -> ExtractionAction:
+    def _closer(self, action: ExtractionAction) -> ChosenGrasp:
         """The same object, grasped as an image from near above shows it; as before if that shows no grasp."""
         view = self.robot.look(action.T_world_hand[:3, 3], NEAR_M).views[0]
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        failed = self._failed_m if self.method.remembers else ()
-        return grasp_again(action, view, masks, grasps, failed)
+        again = grasp_again(action, view, masks, grasps, self._tried_m if self.method.remembers else ())
+        return self._spared(again or ChosenGrasp(action, 0.0), view, masks, grasps)
+
+    def _spared(self, chosen: ChosenGrasp, view: DepthView, masks: InstanceMasks, grasps: GraspMaps) -> ChosenGrasp:
+        """A surer grasp elsewhere, where it costs less than what one more failure would put at risk.
+
+        It costs one action, and spares the difference of the chances of failing, times the risk.
+        """
+        costs = self.method.costs
+        risk = 0.0 if costs is None else costs.risk(self._failures)
+        if not risk > 1.0:
+            return chosen
+        surer = surest_grasp(view, masks, grasps, self._tried_m)
+        if surer is None or not (surer.chance - chosen.chance) * risk > 1.0:
+            return chosen
+        return surer
 
     def _believed(self) -> VoxelGrid:
         belief = self.method.belief
@@ -218,19 +233,18 @@ class PileSearch:
         view: DepthView,
         masks: InstanceMasks,
         grid: VoxelGrid | None,
-        action: ExtractionAction,
-        *,
-        on_target: bool,
+        chosen: ChosenGrasp,
     ) -> SearchStep:
-        hidden_m3 = self._seen.unobserved_m3
+        hidden_m3, action = self._seen.unobserved_m3, chosen.action
         attempt = self.robot.grasp(action)
-        return SearchStep(view, masks, grid, action, on_target, attempt, hidden_m3, self.robot.elapsed_s)
+        return SearchStep(view, masks, grid, action, chosen.on_target, attempt, hidden_m3, self.robot.elapsed_s)
 
     def _after(self, step: SearchStep) -> None:
         """Remember what failed, forget tags that are gone, look again at where the hand was."""
         point_m = step.action.T_world_hand[:3, 3]
         if step.attempt.success:
             self._failures = 0
+            self._older_m = [place_m for place_m in self._tried_m if np.linalg.norm(place_m - point_m) > _MOVED_M]
             self._failed_m.clear()
             for epc in step.attempt.epcs:
                 self._fixes.pop(canonical_epc(epc), None)
@@ -244,6 +258,11 @@ class PileSearch:
         self._seen = _refreshed(self._seen, look.views, point_m, self.method.update_edge_m)
         self._in_sight = look
         self._hear(look.fixes)
+
+    @property
+    def _tried_m(self) -> tuple[FloatArray, ...]:
+        """Where grasps have failed since the last success; with memory, since anything was taken near by."""
+        return (*(self._older_m if self.method.remembers else ()), *self._failed_m)
 
     def _target_in_sight(self) -> FloatArray | None:
         """Middle of the target's pixels in the last look that shows it, in the world [m], shape (3,)."""

@@ -6,6 +6,7 @@ policies gives them the same belief, views, updates and memory.
 
 from dataclasses import dataclass, field
 
+from planners.extraction import ActionCosts
 from planners.search_beliefs import Belief, PaperBelief
 from rfcompass.errors import InputError
 from rfcompass.interfaces import ExtractionPolicy
@@ -32,6 +33,8 @@ class SearchMethod(Record):
         looks: `cluster`: from near above the likeliest part of the map. `overhead`: from where one image shows all.
         update_edge_m: Edge of the cube about a grasp that is looked at again after it [m]; 10 cm in the paper.
         remembers: Whether the policy is told where grasps have failed.
+        costs: What a failed grasp costs. With them, a grasp gives way to a surer one elsewhere where that costs less
+            than the end of the search after too many failures in a row would; ours. None: never.
         looks_closer: Look at the chosen object from near above before it is grasped; ours. From afar one sees what to
             take, from near how.
     """
@@ -43,6 +46,7 @@ class SearchMethod(Record):
     update_edge_m: float = LOCAL_EDGE_M
     remembers: bool = False
     looks_closer: bool = False
+    costs: ActionCosts | None = None
 
     def __post_init__(self) -> None:
         """Check the views and the edge."""

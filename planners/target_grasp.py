@@ -1,7 +1,10 @@
-"""Grasps of a given object: of a target in sight [Boroushaki2023], sections 4.5.2 and 5, or of one chosen from afar."""
+"""Grasps of a given object: of a target in sight [Boroushaki2023], sections 4.5.2 and 5, or of one chosen from afar.
+
+And of any object, the surest of all: five failures in a row end a search, and a grasp that holds begins the count anew.
+"""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import ndimage
@@ -12,11 +15,27 @@ from rfcompass.arrays import BoolArray, FloatArray
 from rfcompass.errors import NothingToGrasp
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
+from rfcompass.types.record import Record
 
 # Ours. Below the first, a target is not worth a try while a neighbour can be taken; how far off that may be [pixel].
 _WORTH, _BESIDE_PX = 0.15, 6
 # Ours: an object so near to where a grasp was chosen, seen from above, is the one that it was chosen for [m].
 _SAME_M = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenGrasp(Record):
+    """What to go for, and what it promises.
+
+    Attributes:
+        action: The grasp.
+        chance: Promise of success, after what has failed there, in [0, 1].
+        on_target: Whether it goes for the target.
+    """
+
+    action: ExtractionAction
+    chance: float
+    on_target: bool = False
 
 
 def grasp_target(
@@ -26,7 +45,7 @@ def grasp_target(
     grasps: GraspMaps,
     failed_m: Sequence[FloatArray] = (),
     table_m: float = 0.0,
-) -> tuple[ExtractionAction, bool]:
+) -> ChosenGrasp:
     """Choose the best grasp of a target in sight; if that is hardly one, the best of what lies beside it.
 
     Args:
@@ -36,9 +55,6 @@ def grasp_target(
         grasps: The best grasp at each pixel.
         failed_m: Where grasps have failed, in the world [m], shape (3,) each.
         table_m: Height of the table in the world [m].
-
-    Returns:
-        The action, and whether it goes for the target.
 
     Raises:
         NothingToGrasp: If no pixel of the target has a depth.
@@ -57,9 +73,27 @@ def grasp_target(
     if quality[own] < _WORTH and others.any():
         other = _best(quality, others)
         if quality[other] > max(quality[own], _WORTH):
-            return _action(grasp_at_pixel(view, grasps, *other), int(masks.labels[other]), float(quality[other])), False
+            return _chosen(grasp_at_pixel(view, grasps, *other), int(masks.labels[other]), float(quality[other]))
     placed = grasp_at_pixel(view, grasps, *own) if quality[own] > 0 else grasp_across(view, seen, table_m)
-    return _action(placed, int(masks.labels[own]), float(quality[own])), True
+    return _chosen(placed, int(masks.labels[own]), float(quality[own]), on_target=True)
+
+
+def surest_grasp(
+    view: DepthView, masks: InstanceMasks, grasps: GraspMaps, failed_m: Sequence[FloatArray] = ()
+) -> ChosenGrasp | None:
+    """Choose the best grasp of any object; None if there is none.
+
+    Args:
+        view: What the camera sees.
+        masks: Its objects.
+        grasps: The best grasp at each pixel.
+        failed_m: Where grasps have failed, in the world [m], shape (3,) each.
+    """
+    quality = grasps.quality * tried_before(points_image(view), masks, failed_m)
+    best = _best(quality, (masks.labels > 0) & np.isfinite(view.depth_m))
+    if masks.labels[best] == 0 or not quality[best] > 0:
+        return None
+    return _chosen(grasp_at_pixel(view, grasps, *best), int(masks.labels[best]), float(quality[best]))
 
 
 def grasp_again(
@@ -68,7 +102,7 @@ def grasp_again(
     masks: InstanceMasks,
     grasps: GraspMaps,
     failed_m: Sequence[FloatArray] = (),
-) -> ExtractionAction:
+) -> ChosenGrasp | None:
     """Choose the grasp of an object anew in another image, one from nearer.
 
     Args:
@@ -80,20 +114,20 @@ def grasp_again(
 
     Returns:
         The best grasp on the object that the second image shows where the first grasp was, with the scores and the
-        label of the first; the first action itself where there is no such object, or no grasp on it.
+        label of the first; None where there is no such object, or no grasp on it.
     """
     points_m = points_image(view)
     off_m = np.linalg.norm(points_m[..., :2] - action.T_world_hand[:2, 3], axis=2)
     off_m = np.where(np.isfinite(off_m) & (masks.labels > 0), off_m, np.inf)
     nearest = np.unravel_index(int(off_m.argmin()), off_m.shape)
     if not off_m[nearest] < _SAME_M:
-        return action
+        return None
     quality = grasps.quality * tried_before(points_m, masks, failed_m)
     best = _best(quality, (masks.labels == masks.labels[nearest]) & np.isfinite(view.depth_m))
     if not quality[best] > 0:
-        return action
+        return None
     T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *best)
-    return replace(action, T_world_hand=T_world_hand, aperture_m=aperture_m)
+    return ChosenGrasp(replace(action, T_world_hand=T_world_hand, aperture_m=aperture_m), float(quality[best]))
 
 
 def _best(quality: FloatArray, pixels: BoolArray) -> tuple[int, int]:
@@ -101,6 +135,6 @@ def _best(quality: FloatArray, pixels: BoolArray) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def _action(placed: tuple[FloatArray, float], label: int, quality: float) -> ExtractionAction:
+def _chosen(placed: tuple[FloatArray, float], label: int, quality: float, *, on_target: bool = False) -> ChosenGrasp:
     T_world_hand, aperture_m = placed
-    return ExtractionAction(label, T_world_hand, aperture_m, quality)
+    return ChosenGrasp(ExtractionAction(label, T_world_hand, aperture_m, quality), quality, on_target)

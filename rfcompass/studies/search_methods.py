@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from planners.extraction import (
+    ActionCosts,
     FewestActionsPolicy,
     FuseBotPolicy,
     LargestMaskPolicy,
@@ -98,6 +99,7 @@ def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         name="ours",
         policy=FewestActionsPolicy(target_m=target.size_m, gate=True, removals=1),
         belief=_with_own_tag(PosteriorBelief(), target),
+        costs=ActionCosts(),
         **_OUR_VIEWS,
     )
 

@@ -1,11 +1,12 @@
 """The search ends when it should, with the reason, and remembers what it should; the robot plays by a script."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 
+from planners.extraction import ActionCosts
 from planners.pile_search import PileSearch, SearchRules
 from planners.search_beliefs import PaperBelief, PosteriorBelief
 from planners.search_method import OVERHEAD, OVERHEAD_M, SearchMethod
@@ -19,6 +20,7 @@ from rfcompass.types import (
     InstanceMasks,
     ItemSize,
     PileLook,
+    SearchResult,
     TagFix,
     VoxelGrid,
     Workspace,
@@ -171,6 +173,60 @@ def test_failures_are_told_only_to_methods_that_remember_and_forgotten_after_a_s
         robot = ScriptedRobot([MISSED, MISSED, HELD, MISSED, FOUND])
         search(robot, policy, remembers=remembers).run()
         assert policy.told == told
+
+
+class WithAStrip:
+    """A box in the middle, and a thing at the left border of every image that is much surer to hold."""
+
+    def segment(self, view: DepthView) -> InstanceMasks:
+        labels = (view.depth_m < view.depth_m.max() - 0.05).astype(np.int64)
+        labels[20:40, :4] = 2
+        return InstanceMasks(labels)
+
+    def quality(self, view: DepthView) -> GraspMaps:
+        flat = np.zeros(view.depth_m.shape)
+        quality = flat + 0.2
+        quality[20:40, :4] = 0.9
+        return GraspMaps(quality, flat, flat + 0.05, flat + 0.02)
+
+
+def with_a_strip(robot: ScriptedRobot, **more: object) -> SearchResult:
+    bare = search(robot, **more)
+    both = WithAStrip()
+    return replace(bare, segmenter=both, quality=both).run()
+
+
+@pytest.mark.parametrize("red_from", [0, 99])
+def test_before_failures_end_a_search_that_counts_their_cost_a_surer_thing_is_taken(red_from: int) -> None:
+    """With a loss of ten actions three more failures cost 0.9, two 3 and one 10: the fourth try goes elsewhere."""
+    script = [MISSED] * 3 + [HELD] + [MISSED] * 5
+    robot = ScriptedRobot(script, red_from)
+    result = with_a_strip(robot, costs=ActionCosts(), looks_closer=True, remembers=True)
+    aside = [bool(abs(action.T_world_hand[0, 3]) > 0.1) for action in robot.done]
+    assert aside[:8] == [False] * 3 + [True] + [False] * 3 + [True]
+    assert [step.on_target for step in result.steps][:4] == [red_from == 0] * 3 + [False]
+    without = ScriptedRobot(script, red_from)
+    with_a_strip(without, looks_closer=True, remembers=True)
+    assert not any(abs(action.T_world_hand[0, 3]) > 0.1 for action in without.done)
+
+
+@pytest.mark.parametrize("remembers", [True, False])
+def test_what_failed_is_remembered_beyond_a_success_elsewhere(remembers: bool) -> None:
+    first = ScriptedRobot([FOUND], red_from=0)
+    search(first).run()
+    place_m = first.done[0].T_world_hand[:3, 3]
+
+    class ThereThenFar(Noted):
+        """The grasp that a target would get fails; then something far away is taken, and the target comes to light."""
+
+        def choose(self, *told: object) -> ExtractionAction:
+            action = super().choose(*told)  # type: ignore[arg-type]
+            return replace(action, T_world_hand=down(*(place_m if len(self.told) == 1 else (0.4, 0.0, 0.05))))
+
+    robot = ScriptedRobot([MISSED, HELD, FOUND], red_from=2)
+    search(robot, ThereThenFar(), remembers=remembers).run()
+    off_m = np.linalg.norm(robot.done[2].T_world_hand[:2, 3] - place_m[:2])
+    assert (off_m >= 0.03) == remembers
 
 
 def test_an_empty_table_ends_with_the_map_as_its_verdict() -> None:

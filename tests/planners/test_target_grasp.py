@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from planners.target_grasp import grasp_again, grasp_target
+from planners.extraction.candidates import ELSEWHERE
+from planners.target_grasp import grasp_again, grasp_target, surest_grasp
 from rfcompass.errors import NothingToGrasp
 from rfcompass.mapping import back_project
 from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
@@ -44,36 +45,38 @@ def place_m(row: int, column: int) -> np.ndarray:
 
 
 def test_the_best_pixel_of_the_target_is_taken() -> None:
-    action, on_target = go(grasps(r20c25=0.6, r18c22=0.8, r20c36=0.99))
-    assert on_target
-    assert action.mask_label == 1
-    assert action.T_world_hand[:2, 3] == pytest.approx(place_m(18, 22)[:2])
-    assert action.score == 0.8
+    chosen = go(grasps(r20c25=0.6, r18c22=0.8, r20c36=0.99))
+    assert chosen.on_target
+    assert chosen.action.mask_label == 1
+    assert chosen.action.T_world_hand[:2, 3] == pytest.approx(place_m(18, 22)[:2])
+    assert chosen.action.score == chosen.chance == 0.8
 
 
 def test_what_stands_beside_a_target_that_cannot_be_grasped_goes_first() -> None:
-    action, on_target = go(grasps(r20c25=0.05, r20c36=0.6, r2c55=0.9))
-    assert not on_target
-    assert action.mask_label == 2
+    chosen = go(grasps(r20c25=0.05, r20c36=0.6, r2c55=0.9))
+    assert not chosen.on_target
+    assert chosen.action.mask_label == 2
 
 
 def test_a_poor_grasp_of_the_target_is_tried_where_nothing_better_is_near() -> None:
-    action, on_target = go(grasps(r20c25=0.05, r20c36=0.1, r2c55=0.9))
-    assert on_target
-    assert action.T_world_hand[:2, 3] == pytest.approx(place_m(20, 25)[:2])
+    chosen = go(grasps(r20c25=0.05, r20c36=0.1, r2c55=0.9))
+    assert chosen.on_target
+    assert chosen.action.T_world_hand[:2, 3] == pytest.approx(place_m(20, 25)[:2])
 
 
 def test_where_a_grasp_failed_another_place_is_tried() -> None:
     maps = grasps(r20c25=0.9, r16c21=0.6)
-    first, _ = go(maps)
-    second, _ = go(maps, failed_m=[first.T_world_hand[:3, 3]])
-    assert second.T_world_hand[:2, 3] == pytest.approx(place_m(16, 21)[:2])
+    first = go(maps).action
+    second = go(maps, failed_m=[first.T_world_hand[:3, 3]])
+    assert second.chance == 0.6 * ELSEWHERE
+    assert second.action.T_world_hand[:2, 3] == pytest.approx(place_m(16, 21)[:2])
 
 
 def test_without_any_grasp_its_middle_is_taken() -> None:
-    action, on_target = go(grasps())
-    assert on_target
-    assert np.abs(action.T_world_hand[:2, 3] - place_m(19, 24)[:2]).max() < 0.01
+    chosen = go(grasps())
+    assert chosen.on_target
+    assert chosen.chance == 0
+    assert np.abs(chosen.action.T_world_hand[:2, 3] - place_m(19, 24)[:2]).max() < 0.01
 
 
 def test_a_target_without_a_depth_is_nothing_to_grasp() -> None:
@@ -90,23 +93,31 @@ def again(maps: GraspMaps, at_m: np.ndarray, **more):
 
 def test_from_near_the_same_object_is_grasped_where_it_shows_best() -> None:
     first, second = again(grasps(r18c36=0.7, r20c22=0.9), place_m(20, 34)[:2])
-    assert second.T_world_hand[:2, 3] == pytest.approx(place_m(18, 36)[:2])
-    assert (second.mask_label, second.score) == (first.mask_label, first.score)
-    assert second.aperture_m == pytest.approx(0.06)
+    assert second.chance == 0.7
+    assert second.action.T_world_hand[:2, 3] == pytest.approx(place_m(18, 36)[:2])
+    assert (second.action.mask_label, second.action.score) == (first.mask_label, first.score)
+    assert second.action.aperture_m == pytest.approx(0.06)
 
 
 @pytest.mark.parametrize("maps", [grasps(), grasps(r20c22=0.9)])
-def test_without_a_grasp_on_it_from_near_the_first_one_stays(maps: GraspMaps) -> None:
-    first, second = again(maps, place_m(20, 36)[:2])
-    assert second is first
+def test_without_a_grasp_on_it_from_near_there_is_none(maps: GraspMaps) -> None:
+    assert again(maps, place_m(20, 36)[:2])[1] is None
 
 
-def test_where_the_near_image_shows_no_object_the_first_grasp_stays() -> None:
-    first, second = again(grasps(r18c36=0.7), np.array([0.15, 0.10]))
-    assert second is first
+def test_where_the_near_image_shows_no_object_there_is_none() -> None:
+    assert again(grasps(r18c36=0.7), np.array([0.15, 0.10]))[1] is None
 
 
 def test_from_near_failures_count_too() -> None:
     maps = grasps(r18c36=0.7, r22c40=0.6)
     _, second = again(maps, place_m(20, 34)[:2], failed_m=[place_m(18, 36)])
-    assert second.T_world_hand[:2, 3] == pytest.approx(place_m(22, 40)[:2])
+    assert second.action.T_world_hand[:2, 3] == pytest.approx(place_m(22, 40)[:2])
+
+
+def test_the_surest_grasp_is_the_best_on_any_object_where_nothing_failed() -> None:
+    maps = grasps(r20c25=0.6, r20c36=0.7, r2c55=0.65, r35c5=0.99)  # the last of them is on no object
+    surest = surest_grasp(view(), InstanceMasks(LABELS), maps)
+    assert (surest.action.mask_label, surest.chance, surest.on_target) == (2, 0.7, False)
+    then = surest_grasp(view(), InstanceMasks(LABELS), maps, failed_m=[place_m(20, 36)])
+    assert (then.action.mask_label, then.chance) == (3, 0.65)
+    assert surest_grasp(view(), InstanceMasks(LABELS), grasps(r35c5=0.99)) is None
