@@ -32,7 +32,10 @@ _CLOSED_M = 0.002
 _SLIDE_N_M, _SLIDE_N_S_M, _FINGER_N_M, _FINGER_N_S_M = 20_000.0, 400.0, 8_000.0, 250.0
 # Contacts of the pads are five times as quick as those between items: light things would sink centimetres into pads
 # that press with 40 N. For that, time passes in steps half as long as the pile's.
-_PAD_S, _FINER = 0.004, (2, 4, 8)
+_PAD_S = 0.004
+# How much finer than the pile's steps are, and how long the contact solver may iterate, from try to try: where light
+# panels are jammed, finer steps alone do not help a solver that gives up.
+_TRIES = ((2, 100), (4, 100), (8, 100), (4, 500), (8, 500))
 # The descent begins so far above the highest thing so near to the hand's axis.
 _ABOVE_M, _AROUND_M = 0.02, 0.09
 # What is further from the hand's axis than this, and does not hang together with anything nearer, stays at rest.
@@ -121,8 +124,9 @@ def grasp_item(
         message = f"jaws {aperture_m} m apart: they open to {hand.opening_m} m"
         raise PileError(message, key="aperture_m", got=aperture_m)
     near = _about(world, T[:2, 3])
-    for finer in _FINER:
+    for finer, iterations in _TRIES:
         run = _Run(near, T, aperture_m, hand, finer)
+        run.model.opt.iterations, run.model.opt.ls_iterations = iterations, iterations // 2
         done = run.grasp()
         if done is not None:
             near.become(run.states, without=done.taken)
