@@ -6,7 +6,7 @@ import pytest
 pytest.importorskip("mujoco", reason="piles need the extra rfcompass[piles]")
 
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import PileError
+from rfcompass.errors import PileError, PileUnsettled
 from rfcompass.simulation.piles import (
     D415,
     PileHand,
@@ -16,6 +16,7 @@ from rfcompass.simulation.piles import (
     cast_image,
     flat_state,
     grasp_item,
+    gripper,
     look_down,
 )
 
@@ -167,3 +168,18 @@ def test_rigid_things_are_never_pinched() -> None:
     done = grasp_item(world, hand_at(0, 0, 0.008), 0.04)
     assert not done.pinched
     assert done.outcome != "held"
+
+
+@pytest.mark.parametrize("limit", ["_TOO_FAST_M_S", "_TOO_FAR_M"])
+def test_things_that_fly_off_are_no_physics_and_leave_the_pile_as_it_was(
+    limit: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No light thing flies off here: with a limit of nearly nothing, any motion counts as that."""
+    monkeypatch.setattr(gripper, limit, 1e-9)
+    world = world_of(
+        (item(1, "box", 0.05, 0.05, 0.06), at(0, 0, 0.03)), (item(2, "box", 0.05, 0.05, 0.04), at(0, 0, 0.08))
+    )
+    before = world.states
+    with pytest.raises(PileUnsettled, match="blew up"):
+        grasp_item(world, hand_at(0, 0, 0.02), 0.085)
+    assert {n: state.tolist() for n, state in world.states.items()} == {n: s.tolist() for n, s in before.items()}

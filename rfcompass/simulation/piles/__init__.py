@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rfcompass.simulation.piles.generation import PileTally as PileTally
     from rfcompass.simulation.piles.generation import make_pile as make_pile
     from rfcompass.simulation.piles.gripper import ExecutedGrasp as ExecutedGrasp
-    from rfcompass.simulation.piles.gripper import PileHand as PileHand
     from rfcompass.simulation.piles.gripper import grasp_item as grasp_item
+    from rfcompass.simulation.piles.hand import PileHand as PileHand
     from rfcompass.simulation.piles.items import KINDS as KINDS
     from rfcompass.simulation.piles.items import PileItem as PileItem
     from rfcompass.simulation.piles.materials import DENSITY_KG_M3 as DENSITY_KG_M3
@@ -85,7 +85,7 @@ _HOME = {
     "PileTally": "generation",
     "make_pile": "generation",
     "ExecutedGrasp": "gripper",
-    "PileHand": "gripper",
+    "PileHand": "hand",
     "grasp_item": "gripper",
     "KINDS": "items",
     "PileItem": "items",

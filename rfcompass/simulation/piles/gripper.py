@@ -1,8 +1,6 @@
 """A two-finger hand that goes straight down into a pile, closes, and lifts: executed grasps.
 
-The hand is that of `urdf/ur5e_2f85.urdf`: a body and two fingers that slide, coupled as a 2F-85's are. It hangs on one
-vertical slide with a servo, so that what it meets on its way down pushes back. Tool frame: y is the closing axis, z the
-approach; the tips are 13 mm beyond its origin.
+What the hand is: `hand`.
 
 Cloth is not gripped at its sides but pinched. Covers are stiff plates here, so that pinching is a stated surrogate: if
 one tip presses on a cover, and the other does too or has it close below (cloth would give way under the first), or if
@@ -15,71 +13,29 @@ import numpy as np
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import PileError, PileUnsettled
-from rfcompass.simulation.piles.engine import HandXml, compile_pile, load_mujoco, quiet_mujoco
+from rfcompass.simulation.piles.engine import compile_pile, load_mujoco, quiet_mujoco
+from rfcompass.simulation.piles.hand import FINGER_HALF_M, GEOMS_OF_BODY, TIP_M, PileHand, hand_xml
 from rfcompass.simulation.piles.items import PANELS
 from rfcompass.simulation.piles.world import PileWorld
 from rfcompass.types.record import Record
 from rfcompass.types.search import BLOCKED, HELD, MISSED, SLIPPED
 
-# Tool frame [m]: half sizes and middles of the hand's boxes along x (across), y (closing) and z (approach), as in the
-# URDF; the fingers at their closed place.
-_BODY = (("box", (0.02, 0.06, 0.0225), (0.0, 0.0, -0.0675)), ("cylinder", (0.0375, 0.03), (0.0, 0.0, -0.12)))
-_FINGER_HALF_M, _FINGER_Z_M = (0.011, 0.006, 0.029), -0.016
-TIP_M = 0.013
 # A hand nearer than this to closed has nothing between its jaws [m].
 _CLOSED_M = 0.002
-# Servo of the slide and of each finger.
-_SLIDE_N_M, _SLIDE_N_S_M, _FINGER_N_M, _FINGER_N_S_M = 20_000.0, 400.0, 8_000.0, 250.0
-# Contacts of the pads are five times as quick as those between items: light things would sink centimetres into pads
-# that press with 40 N. For that, time passes in steps half as long as the pile's.
-_PAD_S = 0.004
-# How much finer than the pile's steps are, and how long the contact solver may iterate, from try to try: where light
-# panels are jammed, finer steps alone do not help a solver that gives up.
+# How much finer than the pile's steps are, and how long the contact solver may iterate, from try to try: pads need half
+# the step, and where light panels are jammed, finer steps alone do not help a solver that gives up.
 _TRIES = ((2, 100), (4, 100), (8, 100), (4, 500), (8, 500))
+# Nothing in a pile falls so fast [m/s], or is thrown so far while all comes to rest [m]: such a simulation blew up,
+# whatever its numbers look like. Ours.
+_TOO_FAST_M_S, _TOO_FAR_M = 5.0, 1.0
 # The descent begins so far above the highest thing so near to the hand's axis.
 _ABOVE_M, _AROUND_M = 0.02, 0.09
 # What is further from the hand's axis than this, and does not hang together with anything nearer, stays at rest.
 _NEAR_M = 0.15
 _RETREAT_M = 0.02  # of a hand that was blocked
-_TIE_S = 0.04  # how quickly what ties a cover gives in; ours
 _CLOSING = 5  # looks at the jaws, 0.05 s apart, before they count as closed
 _INSIDE_M = 0.001  # rays start so far inside a tip, which they do not see
-_HAND_GROUP = 3  # of geoms; items are in 0
 _SETTLE_S = 2.0  # what still creeps then is stopped, as every pile is before it is looked at
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PileHand(Record):
-    """The hand's numbers, all ours but the opening.
-
-    Attributes:
-        opening_m: Furthest that the jaws open, the 2F-85's [m].
-        grip_n: Force of each jaw [N]; a 2F-85 has 20 to 235.
-        friction: Coefficient between jaw and item; of the pair the larger one counts.
-        blocked_n: Vertical force at which the hand stops going down [N].
-        pinch_n: Vertical force at which a tip has a cover [N].
-        cloth_gives_m: How far cloth gives way under one tip, so that the other reaches it too [m].
-        pinch_holds_n: Pull at which a pinched cover is lost [N].
-        speed_m_s: Of going down and up [m/s].
-        lift_m: How high it is lifted [m].
-    """
-
-    opening_m: float = 0.085
-    grip_n: float = 40.0
-    friction: float = 0.8
-    blocked_n: float = 25.0
-    pinch_n: float = 2.0
-    cloth_gives_m: float = 0.03
-    pinch_holds_n: float = 15.0
-    speed_m_s: float = 0.2
-    lift_m: float = 0.12
-
-    def __post_init__(self) -> None:
-        """Check that every number is above 0; friction may be 0."""
-        for name in self.__slots__:
-            value = getattr(self, name)
-            if not (np.isfinite(value) and (value > 0 or (name == "friction" and value == 0))):
-                raise PileError(f"hand: {name} is {value!r}", key=name, got=value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,14 +84,26 @@ def grasp_item(
         run = _Run(near, T, aperture_m, hand, finer)
         run.model.opt.iterations, run.model.opt.ls_iterations = iterations, iterations // 2
         done = run.grasp()
-        if done is not None:
-            near.become(run.states, without=done.taken)
-            near.settle(_SETTLE_S)
-            world.become({**world.states, **near.states}, without=done.taken)
-            if _meet(world, near):
+        if done is None:
+            continue
+        after = _about(world, T[:2, 3])
+        after.become(run.states, without=done.taken)
+        if _comes_to_rest(after):
+            world.become({**world.states, **after.states}, without=done.taken)
+            if _meet(world, after):
                 world.settle(_SETTLE_S)
             return done
     raise PileUnsettled("the simulation of a grasp blew up", simulated_s=run.passed_s, creep_m=float("inf"))
+
+
+def _comes_to_rest(world: PileWorld) -> bool:
+    """Let everything settle; tell whether it stayed where things can be."""
+    before = world.states
+    try:
+        world.settle(_SETTLE_S)
+    except PileUnsettled:
+        return False
+    return all(np.linalg.norm(world.states[n][:3] - state[:3]) < _TOO_FAR_M for n, state in before.items())
 
 
 class _BlewUp(Exception):
@@ -158,10 +126,12 @@ class _Run:
         self.data.qpos[-2:] = aperture_m / 2
         self.model.opt.timestep = world.physics.timestep_s / finer
         first = len(world.geom_numbers)
-        self._left, self._right = first + len(_BODY), first + len(_BODY) + 1
+        self._left, self._right = first + GEOMS_OF_BODY, first + GEOMS_OF_BODY + 1
         self._dof = self.model.nv - 3
         self.data.ctrl[:] = 0.0, aperture_m / 2, aperture_m / 2
         self.passed_s, self.force_n, self._tied = 0.0, 0.0, False
+        free = self.model.jnt_dofadr[self.model.jnt_type == self._engine.mjtJoint.mjJNT_FREE]
+        self._ways = (free[:, None] + np.arange(3)).ravel()
         self._engine.mj_forward(self.model, self.data)
 
     @property
@@ -227,7 +197,7 @@ class _Run:
 
     def _below(self, finger: int) -> set[int]:
         """The geom of an item straight below a tip, if it is so near that cloth would reach it; one or none."""
-        tip_m = self.data.geom_xpos[finger] - np.array([0.0, 0.0, _FINGER_HALF_M[2] - _INSIDE_M])
+        tip_m = self.data.geom_xpos[finger] - np.array([0.0, 0.0, FINGER_HALF_M[2] - _INSIDE_M])
         met = np.array([-1], dtype=np.int32)
         groups = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8)
         far_m = self._engine.mj_ray(self.model, self.data, tip_m, np.array([0.0, 0.0, -1.0]), groups, 1, -1, met, None)
@@ -278,6 +248,8 @@ class _Run:
         self.passed_s += self.model.opt.timestep
         if self.data.time < self.passed_s / 2:
             # The simulation blew up and was begun anew by MuJoCo, with everything in one place: steps of minutes.
+            raise _BlewUp
+        if self._ways.size and np.abs(self.data.qvel[self._ways]).max() > _TOO_FAST_M_S:
             raise _BlewUp
 
     def _gap_m(self) -> float:
@@ -346,43 +318,3 @@ def _top_about(world: PileWorld, place_m: FloatArray) -> float:
         if _distance_m(world, item.number, place_m) < _AROUND_M:
             top_m = max(top_m, float(world.corners_m(item.number)[:, 2].max()))
     return top_m
-
-
-def hand_xml(T_world_hand: FloatArray, start_m: float, hand: PileHand, covers: list[tuple[int, int]]) -> HandXml:
-    """The hand as MJCF: at a place and yaw, its tool frame at a height from which it goes down."""
-    R, half = T_world_hand[:3, :3], " ".join(map(str, _FINGER_HALF_M))
-    axes = " ".join(map(str, [*R[:, 0], *R[:, 1]]))
-    friction = f'friction="{hand.friction} 0.02 0.005" solref="{_PAD_S} 1" solmix="1000"'
-    body = "".join(
-        f'<geom type="{kind}" size="{" ".join(map(str, size))}" pos="{" ".join(map(str, pos))}" mass="0.4" '
-        f'group="{_HAND_GROUP}"/>'
-        for kind, size, pos in _BODY
-    )
-    fingers = "".join(
-        f'<body name="finger_{side}" gravcomp="1"><joint name="jaw_{side}" type="slide" axis="0 {sign} 0" '
-        f'range="-0.001 {hand.opening_m / 2}" damping="{_FINGER_N_S_M}" frictionloss="0" armature="0.05"/>'
-        f'<geom type="box" size="{half}" pos="0 {sign * _FINGER_HALF_M[1]} {_FINGER_Z_M}" mass="0.04" {friction} '
-        f'group="{_HAND_GROUP}"/>'
-        "</body>"
-        for side, sign in (("left", 1), ("right", -1))
-    )
-    slide = (
-        f'<joint name="slide" type="slide" axis="0 0 -1" limited="false" damping="{_SLIDE_N_S_M}" frictionloss="0" '
-        'armature="0.1"/>'
-    )
-    place = f"{T_world_hand[0, 3]} {T_world_hand[1, 3]} {start_m}"
-    ties = "".join(
-        f'<connect name="tie_{number}_{panel}" active="false" body1="hand" body2="{number}_{panel}" anchor="0 0 0" '
-        f'solref="{_TIE_S} 1"/>'
-        for number, panel in covers
-    )
-    return HandXml(
-        f'<body name="hand" pos="{place}" xyaxes="{axes}" gravcomp="1">{slide}{body}{fingers}</body>',
-        '<exclude body1="finger_left" body2="finger_right"/>',
-        '<joint name="coupled" joint1="jaw_left" joint2="jaw_right" polycoef="0 1 0 0 0" solref="0.01 1"/>' + ties,
-        f'<position joint="slide" kp="{_SLIDE_N_M}" ctrlrange="-1 1" ctrllimited="false"/>'
-        + "".join(
-            f'<position joint="jaw_{side}" kp="{_FINGER_N_M}" forcerange="{-hand.grip_n} {hand.grip_n}"/>'
-            for side in ("left", "right")
-        ),
-    )
