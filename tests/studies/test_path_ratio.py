@@ -36,7 +36,7 @@ def test_with_cameras_and_nothing_in_the_way_the_way_is_straight():
 @pytest.mark.parametrize("sight", ["in sight", "hidden"])
 @pytest.mark.parametrize("way", ["best", CAMERAS])
 def test_no_way_is_shorter_than_the_straight_line_nor_a_clear_one_than_the_shortest(sight, way):
-    for seed in (1, 3):
+    for seed in (1, 3) if way == CAMERAS else (1,):
         row = path_trial(cell(sight, way), seed, None)
         assert row["ratio"] is None or row["ratio"] >= 1.0
         if row["clear"] and row["ratio_around"] is not None:
