@@ -75,7 +75,7 @@ class Moved(Record):
         default: Where from.
         pairs: Piles that both searched.
         actions: Mean, a lost target counting 16; `default_actions` the same with the default.
-        difference: Mean of the differences, with the limits `low` and `high`.
+        difference: Mean of the differences, with the limits `low` and `high`; one pile has none.
         changed: Share of piles that took another number of actions.
         found: Share of targets found; `default_found` the same with the default.
     """
@@ -88,8 +88,8 @@ class Moved(Record):
     actions: float
     default_actions: float
     difference: float
-    low: float
-    high: float
+    low: float | None
+    high: float | None
     changed: float
     found: float
     default_found: float
@@ -182,11 +182,11 @@ def judged(rows: Sequence[Row], family: str, name: str, value: float) -> Moved |
         return None
     moved, default = pairs.T
     less = moved - default
-    limits = bootstrap_interval(less, "mean", np.random.default_rng(0))
+    limits = bootstrap_interval(less, "mean", np.random.default_rng(0)) if len(pairs) > 1 else None
     return Moved(
         family, name, value, getattr(DEFAULT, name), len(pairs), float(moved.mean()), float(default.mean()),
-        float(less.mean()), limits.low, limits.high, float((less != 0).mean()), float((moved < LOST).mean()),
-        float((default < LOST).mean()),
+        float(less.mean()), limits and limits.low, limits and limits.high, float((less != 0).mean()),
+        float((moved < LOST).mean()), float((default < LOST).mean()),
     )  # fmt: skip
 
 
@@ -199,10 +199,11 @@ def all_judged(rows: Sequence[Row], families: Sequence[str], only: Sequence[str]
 
 def line(moved: Moved) -> str:
     """One line of the table."""
+    interval = "" if moved.low is None else f" ({moved.low:.2f} … {moved.high:.2f})"
     return (
         f"| {moved.family} | {moved.constant} | {moved.default:g} → {moved.value:g} | {moved.pairs} | "
         f"{moved.default_actions:.2f} → {moved.actions:.2f} | "
-        f"{moved.difference:.2f} ({moved.low:.2f} … {moved.high:.2f}) | {100 * moved.changed:.0f} | "
+        f"{moved.difference:.2f}{interval} | {100 * moved.changed:.0f} | "
         f"{100 * moved.default_found:.0f} → {100 * moved.found:.0f} |"
     )
 

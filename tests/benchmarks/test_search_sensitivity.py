@@ -102,6 +102,7 @@ def test_a_search_that_blows_up_and_a_pile_that_cannot_be_made_are_no_pair(stubb
     monkeypatch.setattr(search_sensitivity, "pile_scene", scene)
     got = ran(capsys, "--seeds", "0:4", "--family", "covered_1p10", "--only", "tau")
     assert [(moved["value"], moved["pairs"]) for moved in got["moved"]] == [(0.25, 1), (0.75, 2)]
+    assert [moved["low"] for moved in got["moved"]] == [None, 0.0]  # one pile has no interval
 
 
 def test_several_families_are_judged_each_and_together_and_the_table_has_a_line_for_each(stubbed, capsys):
