@@ -225,7 +225,7 @@ class PileSearch:
         if self.method.looks == OVERHEAD:
             middle_m = (self.workspace.lower_m + self.workspace.upper_m) / 2
         else:
-            middle_m = best_cluster(grid).point_m
+            middle_m = best_cluster(grid, self.method.cluster_threshold).point_m
         return self.robot.look(middle_m, self.method.look_height_m).views[0]
 
     def _act(

@@ -7,6 +7,7 @@ policies gives them the same belief, views, updates and memory.
 from dataclasses import dataclass, field
 
 from planners.extraction import ActionCosts
+from planners.extraction.clusters import THRESHOLD
 from planners.search_beliefs import Belief, PaperBelief
 from rfcompass.errors import InputError
 from rfcompass.interfaces import ExtractionPolicy
@@ -35,6 +36,8 @@ class SearchMethod(Record):
         remembers: Whether the policy is told where grasps have failed.
         costs: What a failed grasp costs. With them, a grasp gives way to a surer one elsewhere where that costs less
             than the end of the search after too many failures in a row would; ours. None: never.
+        cluster_threshold: Columns of the map belong to a cluster from this share of the largest column on, in [0, 1);
+            ours, see `planners.extraction.clusters`.
         looks_closer: Look at the chosen object from near above before it is grasped; ours. From afar one sees what to
             take, from near how.
     """
@@ -47,14 +50,18 @@ class SearchMethod(Record):
     remembers: bool = False
     looks_closer: bool = False
     costs: ActionCosts | None = None
+    cluster_threshold: float = THRESHOLD
 
     def __post_init__(self) -> None:
-        """Check the views and the edge."""
+        """Check the views, the edge and the threshold."""
         if self.looks not in LOOKS:
             message = f"SearchMethod.looks: {self.looks!r} is none of {', '.join(LOOKS)}"
             raise InputError(message, got=self.looks, known=list(LOOKS))
         if not self.update_edge_m > 0:
             raise InputError(f"SearchMethod.update_edge_m: {self.update_edge_m} is not above 0", got=self.update_edge_m)
+        if not 0 <= self.cluster_threshold < 1:
+            message = f"SearchMethod.cluster_threshold: {self.cluster_threshold} is not in [0, 1)"
+            raise InputError(message, got=self.cluster_threshold)
 
     @property
     def look_height_m(self) -> float:

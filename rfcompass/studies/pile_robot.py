@@ -10,6 +10,7 @@ from planners.path_timing import in_time
 from planners.pile_arm import ArmMotion, PileArm, link_poses
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import NoAnswer, OutOfReach, PileError
+from rfcompass.interfaces import Surveyor
 from rfcompass.robots import load_robot
 from rfcompass.simulation import AntennaTrack, inventory_scan
 from rfcompass.simulation.piles import PileCamera, PileScene, PileWorld, TaggedItems, grasp_item, hear_tags
@@ -49,6 +50,7 @@ class SimulatedPileRobot:
         way: Where a scan goes.
         arm: Plans and times the motions.
         absent: Whether the target is taken away before: it is sought in vain.
+        surveyor: Locates tags.
         world: The pile now; truth.
         taken: Numbers of the items in the drop zone, in order; truth.
         motions: What the arm did, and when each motion began [s].
@@ -61,6 +63,7 @@ class SimulatedPileRobot:
     way: WristWay = field(default_factory=lambda: wrist_way("two"))
     arm: PileArm = field(default_factory=pile_arm)
     absent: bool = False
+    surveyor: Surveyor = PILE_SAR
     world: PileWorld = field(init=False)
     taken: list[int] = field(init=False, default_factory=list)
     motions: list[tuple[float, ArmMotion]] = field(init=False, default_factory=list)
@@ -171,7 +174,7 @@ class SimulatedPileRobot:
             return ()
         for epc in wanted:
             try:
-                fixes.append(PILE_SAR.locate(scan.traces[epc], SEARCH))
+                fixes.append(self.surveyor.locate(scan.traces[epc], SEARCH))
             except (NoAnswer, KeyError):  # too few reads, or none
                 continue
         return tuple(fixes)

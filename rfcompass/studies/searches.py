@@ -16,7 +16,7 @@ from rfcompass.mapping import VisualMap
 from rfcompass.simulation.piles import PileScene
 from rfcompass.studies.metric import SHARE, Metric
 from rfcompass.studies.pile_robot import SimulatedPileRobot
-from rfcompass.studies.pile_scenes import FAMILIES, pile_scene
+from rfcompass.studies.pile_scenes import FAMILIES, HIDDEN, pile_scene
 from rfcompass.studies.search_methods import search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
 from rfcompass.studies.study import Cell, PaperValue, Study
@@ -125,9 +125,15 @@ def searches_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[s
     return row_of(str(cell["family"]), seed, ARMS, PAIRS)
 
 
-def row_of(family: str, seed: int, arms: Mapping[str, Arm], pairs: Sequence[tuple[str, str]]) -> dict[str, MetricValue]:
+def row_of(
+    family: str,
+    seed: int,
+    arms: Mapping[str, Arm],
+    pairs: Sequence[tuple[str, str]],
+    target_class: str = HIDDEN,
+) -> dict[str, MetricValue]:
     """Search one pile in several ways, and compare them; None for a way whose tags or physics cannot be."""
-    scene = pile_scene(family, seed)
+    scene = pile_scene(family, seed, target_class)
     row: dict[str, MetricValue] = {"scene": scene.fingerprint}
     actions: dict[str, float | None] = {}
     for name, arm in arms.items():

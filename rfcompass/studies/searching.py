@@ -8,11 +8,11 @@ from planners.grasp_quality import AntipodalQuality
 from planners.pile_search import PileSearch, SearchRules
 from planners.search_method import SearchMethod
 from rfcompass.errors import InputError
-from rfcompass.interfaces import GraspQuality, Segmenter
+from rfcompass.interfaces import GraspQuality, Segmenter, Surveyor
 from rfcompass.mapping import DepthSegmenter
 from rfcompass.simulation.piles import PileScene, TaggedItems, tag_items
 from rfcompass.studies.pile_robot import SimulatedPileRobot
-from rfcompass.studies.pile_scan import workspace
+from rfcompass.studies.pile_scan import PILE_SAR, workspace
 from rfcompass.types import DepthView, InstanceMasks, SearchResult
 
 SPACING_M = 0.01
@@ -42,6 +42,7 @@ class SearchTask:
         rules: When to end.
         spacing_m: Edge of a voxel [m].
         absent: Whether the target is taken away before, so that it is sought in vain.
+        surveyor: Locates tags, and says which of them confidently.
     """
 
     scene: PileScene
@@ -52,10 +53,13 @@ class SearchTask:
     rules: SearchRules = field(default_factory=SearchRules)
     spacing_m: float = SPACING_M
     absent: bool = False
+    surveyor: Surveyor = PILE_SAR
 
     def robot(self) -> SimulatedPileRobot:
         """Put a robot over the pile."""
-        return SimulatedPileRobot(scene=self.scene, tags=self.tags, seed=self.seed, absent=self.absent)
+        return SimulatedPileRobot(
+            scene=self.scene, tags=self.tags, seed=self.seed, absent=self.absent, surveyor=self.surveyor
+        )
 
 
 @dataclass(eq=False)

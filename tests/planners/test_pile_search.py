@@ -6,7 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
-from planners.extraction import ActionCosts
+from planners import pile_search
+from planners.extraction import ActionCosts, Cluster
 from planners.pile_search import PileSearch, SearchRules
 from planners.search_beliefs import PaperBelief, PosteriorBelief
 from planners.search_method import OVERHEAD, OVERHEAD_M, SearchMethod
@@ -333,3 +334,19 @@ def test_rules_under_which_no_search_can_begin_are_refused(name: str) -> None:
 def test_a_method_with_unknown_views_is_refused() -> None:
     with pytest.raises(InputError, match="cluster, overhead"):
         SearchMethod(name="test", policy=Noted(), looks="sideways")
+    for threshold in (-0.1, 1.0):
+        with pytest.raises(InputError, match="cluster_threshold"):
+            SearchMethod(name="test", policy=Noted(), cluster_threshold=threshold)
+
+
+def test_the_threshold_of_the_method_says_which_part_of_the_map_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+    cluster = pile_search.best_cluster
+
+    def noted(grid: VoxelGrid, threshold: float) -> Cluster:
+        asked.append(threshold)
+        return cluster(grid, threshold)
+
+    monkeypatch.setattr(pile_search, "best_cluster", noted)
+    next(search(ScriptedRobot([HELD]), cluster_threshold=0.6).steps())
+    assert asked == [0.6]

@@ -79,6 +79,22 @@ def test_a_file_of_another_scene_is_not_taken_and_a_broken_one_is_refused(tmp_pa
         pile_scene("tiny", 3)
 
 
+def test_scenes_of_different_classes_are_kept_apart(tmp_path, monkeypatch):
+    made = []
+
+    def make(family, seed, target_class):
+        made.append(target_class)
+        return replace(tiny(), seed=seed, target_class=target_class)
+
+    monkeypatch.setattr(pile_scenes, "make_pile", make)
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    classes = ("partly", "hidden", "open")
+    for _ in range(2):
+        assert [pile_scene("tiny", 1, kind).target_class for kind in classes] == list(classes)
+    assert pile_scene("tiny", 1).target_class == "hidden"
+    assert made == list(classes)
+
+
 def test_seeds_of_the_report_are_not_those_of_tuning():
     assert not set(PILE_TAGS.seeds) & set(PILE_TAGS.tuning_seeds)
     assert min(PILE_TAGS.seeds) >= 1000

@@ -18,7 +18,7 @@ FEW = {"ours": Arm("ours"), KNOWN: Arm(KNOWN), "elsewhere": Arm("fusebot", 1, "o
 @pytest.fixture(scope="module")
 def row():
     patch = pytest.MonkeyPatch()
-    patch.setattr(searches, "pile_scene", lambda family, seed: tiny())
+    patch.setattr(searches, "pile_scene", lambda family, seed, target_class: tiny(target_class))
     try:
         return row_of("tiny", 1, FEW, (("ours", KNOWN), ("ours", "elsewhere")))
     finally:

@@ -11,6 +11,7 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 from simulation.pile_scenes import tiny
 
 from rfcompass.errors import InputError
+from rfcompass.studies.pile_scan import PILE_SAR
 from rfcompass.studies.search_film import film_of
 from rfcompass.studies.search_methods import METHODS, search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
@@ -56,6 +57,16 @@ def test_methods_see_the_same_scan_of_the_same_pile():
     first = [begin(name).robot.scan() for name in ("ours", "xray")]
     for one, other in zip(first[0].views, first[1].views, strict=True):
         assert np.array_equal(one.depth_m, other.depth_m, equal_nan=True)
+
+
+def test_which_tags_are_located_confidently_is_for_the_surveyor_of_the_task_to_say():
+    edges_m = (1e-4, 10.0)
+    scans = [
+        begin("fusebot", tags=4, surveyor=replace(PILE_SAR, max_box_m=(edge_m,) * 3)).robot.scan() for edge_m in edges_m
+    ]
+    none, some = ([fix.confident for fix in scan.fixes] for scan in scans)
+    assert not any(none)
+    assert any(some)
 
 
 def test_a_target_that_is_not_there_is_not_found():
