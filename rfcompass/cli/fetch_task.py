@@ -174,12 +174,13 @@ def _fetched(
 
 def _one(room: "SimulatedTask", wanted: "PartTask", asked: Mapping[str, object], reel: "FilmReel") -> Delivered:
     from rfcompass.cli.fetch import as_run, run_fetch
+    from rfcompass.studies.fetch_trace import fetch_trace
 
     console, part = messages(), wanted.part
     task = room.task_for(part)
     console.print(f"part      {part.part_id}", markup=False)
     reel.begin(part, task.part.layout(task.tags, task.spacing).points_m)
-    fetched, put = run_fetch(task, grasp=True, job=room.send_for(part), watch=reel.event), None
+    fetched, put = run_fetch(room.send_for(part), task, grasp=True, watch=reel.event), None
     if fetched.held:
         plan = fetched.trials[-1].plan
         put = room.deliver(part, plan, wanted.goal)
@@ -191,7 +192,9 @@ def _one(room: "SimulatedTask", wanted: "PartTask", asked: Mapping[str, object],
     else:
         room.left(part, fetched.steps[-1].step if fetched.steps else None)
     console.print(_said(wanted, fetched, put), markup=False)
-    run = as_run(task, fetched, {**asked, "part": part.part_id}) if fetched.run.stops else None
+    run = None
+    if stops := fetched.run.stops:
+        run = as_run(task, fetched, {**asked, "part": part.part_id}, fetch_trace(task.robot, stops))
     return Delivered(wanted, fetched, put, run)
 
 

@@ -63,14 +63,12 @@ def answers_json(done: Sequence[Delivered], target: Path) -> list[dict[str, Any]
 
 
 def _answer(one: Delivered, target: Path) -> dict[str, Any]:
-    from rfcompass.cli.fetch import fetch_answer
+    from rfcompass.cli.fetch import fetch_answer, simulated_error
 
     name, fetched = one.wanted.part.part_id, one.fetched
     answer: dict[str, Any] = {"part": name, "delivered": one.delivered}
     if fetched.steps and (fetched.located or one.put is not None):
-        last = fetched.steps[-1]
-        answer |= fetch_answer(fetched)
-        answer["simulated_error"] = {"centre_m": last.centre_error_m, "theta_rad": last.theta_error_rad}
+        answer |= {**fetch_answer(fetched), "simulated_error": simulated_error(fetched.steps[-1])}
     elif fetched.failure is not None:
         answer |= failure_json(fetched.failure)
     answer |= {"run": str(target / name) if one.run is not None else None, "stops_made": len(fetched.steps)}

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.localization import compared_stops, comparison_rows, recent_stops
-from rfcompass.studies.fetching import FetchTask, JudgedStep
+from rfcompass.studies.fetch_job import ReportedStep, Sought
 from rfcompass.types.tags import TagPositions
 from rfcompass.viz.meshcat_page import write_scene
 from rfcompass.viz.partition_figures import draw_partition
@@ -17,9 +17,9 @@ from rfcompass.viz.robot_scene import RobotScene
 _AROUND_M = 0.8  # half the width of the partition's picture
 
 
-def draw_last_partition(task: FetchTask, steps: Sequence[JudgedStep]) -> Figure:
+def draw_last_partition(task: Sought, steps: Sequence[ReportedStep]) -> Figure:
     """Draw the comparisons of the last window and what they leave, as in Fig. 1 and Fig. 6 of [Wang2013]."""
-    observations = recent_stops([judged.step.measured for judged in steps])
+    observations = recent_stops([told.step.measured for told in steps])
     newest, estimate = observations[-1], steps[-1].step.estimate
     stops = compared_stops(observations)
     anchors = [
@@ -30,13 +30,13 @@ def draw_last_partition(task: FetchTask, steps: Sequence[JudgedStep]) -> Figure:
     return draw_partition(comparison_rows(stops), anchors, estimate, newest.part, task.part.longest_m, bounds_m)
 
 
-def draw_approach(task: FetchTask, steps: Sequence[JudgedStep]) -> Figure:
+def draw_approach(task: Sought, steps: Sequence[ReportedStep]) -> Figure:
     """Draw the base's path and every estimate of the centre, in the odometry frame."""
     figure = Figure(figsize=(7, 6), layout="constrained")
     axes = figure.add_subplot()
-    bases = [judged.step.configuration.base for judged in steps]
+    bases = [told.step.configuration.base for told in steps]
     path_m = np.array([base.translation_m for base in bases])
-    centres_m = np.array([base.apply(j.step.estimate.centre_m) for base, j in zip(bases, steps, strict=True)])
+    centres_m = np.array([base.apply(told.step.estimate.centre_m) for base, told in zip(bases, steps, strict=True)])
     axes.plot(*path_m.T, "o-", color="#3b6ea5", label="base, as believed")
     axes.plot(*centres_m.T, "+", color="#d1495b", ms=10, mew=1.5, label="estimated centre, stop by stop")
     for index, centre_m in enumerate(centres_m):
@@ -49,10 +49,10 @@ def draw_approach(task: FetchTask, steps: Sequence[JudgedStep]) -> Figure:
     return figure
 
 
-def draw_scene(task: FetchTask, steps: Sequence[JudgedStep], path: Path) -> None:
+def draw_scene(task: Sought, steps: Sequence[ReportedStep], path: Path) -> None:
     """Write the meshcat page: the robot on its way, its tags, the region and the part as estimated."""
     scene = RobotScene()
-    configurations = [judged.step.configuration for judged in steps]
+    configurations = [told.step.configuration for told in steps]
     scene.draw_robot([task.robot.visual_shapes(configuration) for configuration in configurations])
     scene.draw_path("base", np.array([configuration.base.translation_m for configuration in configurations]))
     base, estimate = configurations[-1].base, steps[-1].step.estimate

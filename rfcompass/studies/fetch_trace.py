@@ -1,6 +1,7 @@
 """A simulated fetch as a trace: the same records that a file or a reader would give."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -21,22 +22,36 @@ def fetch_trace(robot: Robot, stops: Sequence[RecordedStop]) -> Trace:
         robot: The robot that carried the tags.
         stops: All stops of one job, at least one.
     """
-    observations = [stop.observation for stop in stops]
     inventories = [stop.inventory for stop in stops if stop.inventory is not None]
+    meta = TraceMeta(
+        frame="room" if inventories else "odom",
+        geometry="bistatic" if inventories and inventories[0].rig.tx is not None else "monostatic",
+        phase_modulus="pi" if inventories and inventories[0].half_turns else "2pi",
+        source="simulated: radio" if inventories else "simulated: distances with noise",
+        license="Apache-2.0",
+        reader="simulated",
+    )
     reads, poses = _reads_and_poses([(stop.observation.stop_id, stop.inventory) for stop in stops])
+    return trace_of_stops(robot, stops, meta, reads, poses)
+
+
+def trace_of_stops(
+    robot: Robot, stops: Sequence[RecordedStop], meta: TraceMeta, reads: pa.Table, poses: AntennaPoses
+) -> Trace:
+    """Put reads beside what the robot believed at each stop, and list all tags.
+
+    Args:
+        robot: The robot that carried the tags.
+        stops: All stops of one job, at least one.
+        meta: How to interpret the reads; robot and tags are filled in.
+        reads: All reads, with their stops.
+        poses: Where the antennas were.
+    """
+    observations = [stop.observation for stop in stops]
     bases = [observation.base_pose for observation in observations]
+    tags = (*_robot_tags(robot), *_part_tags(stops[-1]))
     return Trace(
-        meta=TraceMeta(
-            frame="room" if inventories else "odom",
-            geometry="bistatic" if inventories and inventories[0].rig.tx is not None else "monostatic",
-            phase_modulus="pi" if inventories and inventories[0].half_turns else "2pi",
-            tags=(*_robot_tags(robot), *_part_tags(stops[-1])),
-            source="simulated: radio" if inventories else "simulated: distances with noise",
-            license="Apache-2.0",
-            reader="simulated",
-            robot=robot.name,
-            tag_layout=robot.description.layout_name,
-        ),
+        meta=replace(meta, tags=tags, robot=robot.name, tag_layout=robot.description.layout_name),
         reads=reads,
         antenna_poses=poses,
         stops=Stops(

@@ -33,6 +33,7 @@ from rfcompass.simulation import (
 )
 from rfcompass.simulation.motion_capture import NoReader
 from rfcompass.simulation.radio_sensing import RadioSensor
+from rfcompass.studies.fetch_job import ReportedStep
 from rfcompass.studies.radio_setup import AREA_M, DRIVE_AREA_M, RadioSetup, standing_m
 from rfcompass.studies.study import trial_rng
 from rfcompass.types.parts import Part
@@ -93,17 +94,15 @@ class FetchTask:
 
 
 @dataclass(frozen=True, slots=True)
-class JudgedStep:
+class JudgedStep(ReportedStep):
     """A step of the loop, and how far off it was: only a simulation can say.
 
     Attributes:
-        step: What the robot knows.
         centre_error_m: Distance between estimated and true centre [m].
         theta_error_rad: Angle between estimated and true orientation [rad]; None if none was estimated.
         T_room_base: True pose of the base.
     """
 
-    step: FetchStep
     centre_error_m: float
     theta_error_rad: float | None
     T_room_base: Pose2
@@ -146,7 +145,7 @@ class SimulatedFetch:
         if task.cameras:
             localizer, rules = self._capture(), replace(rules, tags_tell_reach=False)
         self._around = around = self._drives_around(others or (None if where is None else OtherParts(where)))
-        start, final = task.robot.posture(SCAN_POSTURE), _final_stops(task.robot) if task.active_stops else None
+        start, final = task.robot.posture(SCAN_POSTURE), final_stops(task.robot) if task.active_stops else None
         self._loop = Fetch(task.robot, self._device, localizer, start, rules, task.meter, antenna, around, final)
 
     @property
@@ -203,7 +202,7 @@ class SimulatedFetch:
         for step in self._loop.navigate():
             yield self._judged(step)
 
-    def pick_up(self, found: JudgedStep) -> Iterator[JudgedStep | GraspTrial]:
+    def pick_up(self, found: ReportedStep) -> Iterator[JudgedStep | GraspTrial]:
         """Grasp the part; judge the stops that are made in between.
 
         Args:
@@ -255,7 +254,7 @@ class SimulatedFetch:
         )
 
 
-def _final_stops(robot: Robot) -> FinalStops:
+def final_stops(robot: Robot) -> FinalStops:
     """Hand poses without drives: the part stays under the hand."""
     proposer = HandStops(robot=robot, drive_m=0.0, turn_rad=0.0)
     return FinalStops(robot, proposer, MotionChecker(QuickCollisions(CollisionModel(robot, World()))))

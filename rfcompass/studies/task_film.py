@@ -10,7 +10,7 @@ from planners.pick_up import GraspTrial
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry.pose2 import as_pose2
 from rfcompass.robots import Robot
-from rfcompass.studies.fetching import JudgedStep
+from rfcompass.studies.fetch_job import ReportedStep
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import GraspPlan
 from rfcompass.types.parts import Part
@@ -47,7 +47,7 @@ class FilmReel:
         seen = tuple(one for one in self._parts if one.poses)
         return Film(tuple(self._times_s), tuple(self._pictures), tuple(self._stops), seen, tuple(self._marks))
 
-    def event(self, event: JudgedStep | GraspTrial) -> None:
+    def event(self, event: ReportedStep | GraspTrial) -> None:
         """Whatever a fetch or a pick-up tells of."""
         if isinstance(event, GraspTrial):
             self.grasp(event)
