@@ -178,36 +178,46 @@ class PileSearch:
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         table_m = self.workspace.table_m
         chosen = grasp_target(view, found.pixels, masks, grasps, self._tried_m, table_m)
-        return self._act(view, masks, None, self._spared(chosen, view, masks, grasps))
+        return self._act(view, masks, None, self._surer(chosen, view, masks, grasps) or chosen)
 
     def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:
         """Take off what the policy chooses."""
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         failed = self._failed_m if self.method.remembers else ()
         action = self.method.policy.choose(grid, view, masks, grasps, failed)
-        chosen = self._closer(action) if self.method.looks_closer else ChosenGrasp(action, 1.0)
+        if not self.method.looks_closer:
+            return self._act(view, masks, grid, ChosenGrasp(action))
+        return self._closer_step(view, masks, grid, action)
+
+    def _closer_step(
+        self, view: DepthView, masks: InstanceMasks, grid: VoxelGrid, action: ExtractionAction
+    ) -> SearchStep:
+        """Grasp the same object as an image from near above shows it; as before if that shows no grasp.
+
+        Labels are those of the first image, but for a surer grasp elsewhere, which only the second one shows.
+        """
+        near = self.robot.look(action.T_world_hand[:3, 3], NEAR_M).views[0]
+        objects, grasps = self.segmenter.segment(near), self.quality.quality(near)
+        again = grasp_again(action, near, objects, grasps, self._tried_m if self.method.remembers else ())
+        chosen = again or ChosenGrasp(action)
+        surer = self._surer(chosen, near, objects, grasps)
+        if surer is not None:
+            return self._act(near, objects, grid, surer)
         return self._act(view, masks, grid, chosen)
 
-    def _closer(self, action: ExtractionAction) -> ChosenGrasp:
-        """The same object, grasped as an image from near above shows it; as before if that shows no grasp."""
-        view = self.robot.look(action.T_world_hand[:3, 3], NEAR_M).views[0]
-        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        again = grasp_again(action, view, masks, grasps, self._tried_m if self.method.remembers else ())
-        return self._spared(again or ChosenGrasp(action, 0.0), view, masks, grasps)
-
-    def _spared(self, chosen: ChosenGrasp, view: DepthView, masks: InstanceMasks, grasps: GraspMaps) -> ChosenGrasp:
-        """A surer grasp elsewhere, where it costs less than what one more failure would put at risk.
+    def _surer(
+        self, chosen: ChosenGrasp, view: DepthView, masks: InstanceMasks, grasps: GraspMaps
+    ) -> ChosenGrasp | None:
+        """A surer grasp elsewhere, where it costs less than what one more failure would put at risk; else None.
 
         It costs one action, and spares the difference of the chances of failing, times the risk.
         """
         costs = self.method.costs
         risk = 0.0 if costs is None else costs.risk(self._failures)
         if not risk > 1.0:
-            return chosen
+            return None
         surer = surest_grasp(view, masks, grasps, self._tried_m)
-        if surer is None or not (surer.chance - chosen.chance) * risk > 1.0:
-            return chosen
-        return surer
+        return surer if surer is not None and (surer.chance - chosen.chance) * risk > 1.0 else None
 
     def _believed(self) -> VoxelGrid:
         belief = self.method.belief

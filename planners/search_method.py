@@ -35,7 +35,8 @@ class SearchMethod(Record):
         update_edge_m: Edge of the cube about a grasp that is looked at again after it [m]; 10 cm in the paper.
         remembers: Whether the policy is told where grasps have failed.
         costs: What a failed grasp costs. With them, a grasp gives way to a surer one elsewhere where that costs less
-            than the end of the search after too many failures in a row would; ours. None: never.
+            than the end of the search after too many failures in a row would; ours. None: never. For removals only
+            where the method looks closer.
         cluster_threshold: Columns of the map belong to a cluster from this share of the largest column on, in [0, 1);
             ours, see `planners.extraction.clusters`.
         looks_closer: Look at the chosen object from near above before it is grasped; ours. From afar one sees what to

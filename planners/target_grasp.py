@@ -29,12 +29,12 @@ class ChosenGrasp(Record):
 
     Attributes:
         action: The grasp.
-        chance: Promise of success, after what has failed there, in [0, 1].
+        chance: Promise of success, after what has failed there, in [0, 1]; 0 where no image told it.
         on_target: Whether it goes for the target.
     """
 
     action: ExtractionAction
-    chance: float
+    chance: float = 0.0
     on_target: bool = False
 
 

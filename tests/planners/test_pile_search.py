@@ -13,6 +13,7 @@ from planners.search_beliefs import PaperBelief, PosteriorBelief
 from planners.search_method import OVERHEAD, OVERHEAD_M, SearchMethod
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError, NothingToGrasp, OutOfReach
+from rfcompass.mapping.camera import points_image
 from rfcompass.types import (
     DepthView,
     ExtractionAction,
@@ -202,10 +203,14 @@ def test_before_failures_end_a_search_that_counts_their_cost_a_surer_thing_is_ta
     """With a loss of ten actions three more failures cost 0.9, two 3 and one 10: the fourth try goes elsewhere."""
     script = [MISSED] * 3 + [HELD] + [MISSED] * 5
     robot = ScriptedRobot(script, red_from)
-    result = with_a_strip(robot, costs=ActionCosts(), looks_closer=True, remembers=True)
+    result = with_a_strip(robot, costs=ActionCosts(), looks=OVERHEAD, looks_closer=True, remembers=True)
     aside = [bool(abs(action.T_world_hand[0, 3]) > 0.1) for action in robot.done]
     assert aside[:8] == [False] * 3 + [True] + [False] * 3 + [True]
     assert [step.on_target for step in result.steps][:4] == [red_from == 0] * 3 + [False]
+    for step in result.steps:  # a label is one of the image that is kept with it
+        row, column = np.argwhere(step.masks.labels == step.action.mask_label)[0]
+        shown_m = points_image(step.view)[row, column, :2]
+        assert np.linalg.norm(shown_m - step.action.T_world_hand[:2, 3]) < 0.12
     without = ScriptedRobot(script, red_from)
     with_a_strip(without, looks_closer=True, remembers=True)
     assert not any(abs(action.T_world_hand[0, 3]) > 0.1 for action in without.done)

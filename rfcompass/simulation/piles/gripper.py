@@ -88,11 +88,14 @@ def grasp_item(
             continue
         after = _about(world, T[:2, 3])
         after.become(run.states, without=done.taken)
-        if _comes_to_rest(after):
-            world.become({**world.states, **after.states}, without=done.taken)
-            if _meet(world, after):
-                world.settle(_SETTLE_S)
-            return done
+        if not _comes_to_rest(after):
+            continue
+        whole = PileWorld(world.items, world.states, world.physics)
+        whole.become({**world.states, **after.states}, without=done.taken)
+        if _meet(whole, after) and not _comes_to_rest(whole):
+            continue
+        world.become(whole.states, without=done.taken)
+        return done
     raise PileUnsettled("the simulation of a grasp blew up", simulated_s=run.passed_s, creep_m=float("inf"))
 
 
