@@ -10,8 +10,8 @@ OMPL draws from one generator for the whole process that can be seeded once, and
 way depends on what was planned before, so that no seed gives the same way on every worker. It is a peer here, and no
 part of the planners.
 
-Run `python -m benchmarks.bench_drives`; about four minutes, half a minute with `--fast`. Times are CPU times, but OMPL is
-given wall time: with anything else on the core BIT* gets less than we took.
+Run `python -m benchmarks.bench_drives`; about four minutes, half a minute with `--fast`. Times are CPU times, but
+OMPL is given wall time: with anything else on the core BIT* gets less than we took.
 """
 
 import argparse
