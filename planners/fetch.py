@@ -309,6 +309,7 @@ class Fetch:
 
     def _stop_with(self, joints: FloatArray) -> Generator[FetchStep, None, FetchStep]:
         """Move the arm and stop."""
+        self._time.moved_arm(self.robot, [self._joints, joints])
         self._joints = joints
         self.device.move_arm(joints)
         return (yield from self._stop("localise"))
@@ -339,6 +340,7 @@ class Fetch:
         if isinstance(answer, NoAnswer) and not looks:
             raise answer
         surest, self._observations = min(reversed(looks), key=lambda look: look[0].doubt_m)
+        surest = replace(surest, spent=sum((look.spent for look, _ in looks), TimeSpent()))
         if self.antenna is not None and surest.doubt_m <= LOST_M:
             self.antenna.found()
         return surest

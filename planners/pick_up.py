@@ -10,10 +10,11 @@ from typing import TypeAlias
 
 from planners.fetch import Fetch, FetchStep
 from planners.grasp import GraspPlanner
+from planners.time_account import TimeSpent
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import GraspFailed
 from rfcompass.types.grasps import GraspFailure, GraspOutcome, GraspPlan
-from rfcompass.types.motions import CLOSE, DRIVE
+from rfcompass.types.motions import APPROACH, CLOSE, DRIVE
 from rfcompass.types.parts import Part
 from rfcompass.types.record import Record
 
@@ -42,10 +43,12 @@ class GraspTrial(Record):
     Attributes:
         plan: What was carried out.
         outcome: What the hand felt.
+        spent: Time of its motions; after a failed try also of the way back.
     """
 
     plan: GraspPlan
     outcome: GraspOutcome
+    spent: TimeSpent = field(default_factory=TimeSpent)
 
 
 # Reasons that no drive and no look from elsewhere can change.
@@ -100,7 +103,7 @@ class PickUp:
                     self.fetch.drive_to(step, answer.base)
                 step = yield from self.fetch.measure_anew(part_moved=False)
                 continue
-            trial = GraspTrial(answer, self._carried_out(answer))
+            trial = self._carried_out(answer)
             yield trial
             tries += 1
             if trial.outcome.success:
@@ -119,7 +122,7 @@ class PickUp:
             return answer.base is None and answer.kind not in _HOPELESS
         return answer.success_probability is not None and answer.success_probability < self.rules.enough
 
-    def _carried_out(self, plan: GraspPlan) -> GraspOutcome:
+    def _carried_out(self, plan: GraspPlan) -> GraspTrial:
         """Go through the stages; after a failed try back to where the approach began.
 
         Raises:
@@ -127,21 +130,28 @@ class PickUp:
         """
         if plan.defects:
             raise GraspFailed(f"a plan that is not sound: {'; '.join(plan.defects)}", reason="not_certified")
-        outcome = GraspOutcome(False)
+        outcome, spent = GraspOutcome(False), TimeSpent()
         for stage in plan.stages:
+            seconds = float(stage.times_s[-1])
+            spent += TimeSpent(drive_s=seconds) if stage.stage == DRIVE else TimeSpent(arm_s=seconds)
             if stage.stage == DRIVE:
                 self.fetch.device.move_base(plan.base)
             elif stage.stage == CLOSE:
                 outcome = self.fetch.device.close_hand()
                 if not outcome.success:
                     self._follow(plan.approach[::-1])
-                    return outcome
+                    return GraspTrial(plan, outcome, spent + _back(plan))
                 self._follow(stage.joints)
             else:
                 self._follow(stage.joints)
-        return outcome
+        return GraspTrial(plan, outcome, spent)
 
     def _follow(self, joints: FloatArray) -> None:
         """Move the arm along waypoints, shape (T, Q)."""
         for waypoint in joints:
             self.fetch.device.move_arm(waypoint)
+
+
+def _back(plan: GraspPlan) -> TimeSpent:
+    """Time of the approach, taken backwards."""
+    return TimeSpent(arm_s=sum(float(stage.times_s[-1]) for stage in plan.stages if stage.stage == APPROACH))

@@ -1,7 +1,8 @@
 """What the stops of a fetch cost in time: drives at the youBot's limits, and the antenna's way at its carrier's speed.
 
-A drive takes max(d / v, |Δθ| / ω), its acceleration left out. The carrier drives from where it is to the start of the
-next track and along it, while the robot stands; joint motions and computing are not counted.
+A drive takes max(d / v, |Δθ| / ω), a motion of the arm max_k |Δq_k| / v_k at the share of the limits that planned paths
+use, accelerations left out. The carrier drives from where it is to the start of the next track and along it, while the
+robot stands; computing is not counted.
 """
 
 from collections.abc import Sequence
@@ -9,9 +10,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from planners.path_timing import in_time
 from rfcompass.arrays import FloatArray
 from rfcompass.geometry.pose2 import Pose2
+from rfcompass.robots import Robot
 from rfcompass.robots.youbot import MAX_SPEED_M_S, MAX_TURN_RAD_S
+from rfcompass.types.motions import APPROACH
 from rfcompass.types.observation import Observation
 from rfcompass.types.record import Record
 
@@ -26,18 +30,20 @@ class TimeSpent(Record):
     Attributes:
         drive_s: Driving [s].
         scan_s: Bringing the antenna to its tracks and along them [s].
+        arm_s: Moving the arm, and the hand's fingers [s].
     """
 
     drive_s: float = 0.0
     scan_s: float = 0.0
+    arm_s: float = 0.0
 
     @property
     def total_s(self) -> float:
-        """Both [s]."""
-        return self.drive_s + self.scan_s
+        """All of it [s]."""
+        return self.drive_s + self.scan_s + self.arm_s
 
     def __add__(self, other: "TimeSpent") -> "TimeSpent":
-        return TimeSpent(self.drive_s + other.drive_s, self.scan_s + other.scan_s)
+        return TimeSpent(self.drive_s + other.drive_s, self.scan_s + other.scan_s, self.arm_s + other.arm_s)
 
 
 def drive_time_s(motion: Pose2) -> float:
@@ -66,6 +72,10 @@ class TimeAccount:
     def drove(self, motions: Sequence[Pose2]) -> None:
         """Count straight drives, one after the other."""
         self._spent += TimeSpent(drive_s=sum(map(drive_time_s, motions)))
+
+    def moved_arm(self, robot: Robot, path: Sequence[FloatArray]) -> None:
+        """Count a motion of a robot's arm through joint values, each of shape (Q,)."""
+        self._spent += TimeSpent(arm_s=float(in_time(robot, APPROACH, np.array(path)).times_s[-1]))
 
     def scanned(self, observation: Observation) -> None:
         """Count a scan, and the antenna's way to where it began."""

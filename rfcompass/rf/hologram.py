@@ -15,12 +15,14 @@ Deviations:
     paper's -0.75 dB. Where a reader knows the phase only modulo π, h is replaced by h² / |h| and f by 2 f.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from rfcompass.arrays import ComplexArray, FloatArray, IntArray
 from rfcompass.errors import ShapeError
+from rfcompass.rf.phase_kernels import PhaseRun, add_phase_power
 from rfcompass.rf.runs import runs
 from rfcompass.rf.sar_kernels import PhasorTable, add_differential_power, add_power
 from rfcompass.rf.waves import wavenumber
@@ -53,13 +55,13 @@ class Hologram:
     Attributes:
         volume: Where it can be evaluated.
         wavelength_m: Shortest wavelength of the phases; halved if they are known modulo π.
-        tables: Phasors of each run.
+        runs: What the kernels take of each run: turns where a look is one channel, else tables.
         differential: Which of the two powers it is.
     """
 
     volume: SearchVolume
     wavelength_m: float
-    tables: tuple[PhasorTable, ...]
+    runs: tuple[PhasorTable | PhaseRun, ...]
     differential: bool
 
     def power(self, points_m: FloatArray) -> FloatArray:
@@ -71,14 +73,18 @@ class Hologram:
         if not self.volume.contains(points_m).all():
             raise ShapeError("hologram: a point lies outside the search volume", name="points_m")
         power = np.zeros(len(points_m), dtype=np.float32)
-        add = add_differential_power if self.differential else add_power
-        for table in self.tables:
-            add(points_m, table, power)
+        for run in self.runs:
+            if isinstance(run, PhaseRun):
+                add_phase_power(points_m, run, power)
+            elif self.differential:
+                add_differential_power(points_m, run, power)
+            else:
+                add_power(points_m, run, power)
         return np.asarray(power, dtype=np.float64)
 
 
 def build_hologram(trace: ReadTrace, volume: SearchVolume, matching: Matching) -> Hologram:
-    """Tabulate the phasors of a trace over all round trips that can occur in a volume.
+    """Make the matched filter of a trace ready for a volume.
 
     Args:
         trace: Reads of one tag.
@@ -88,8 +94,12 @@ def build_hologram(trace: ReadTrace, volume: SearchVolume, matching: Matching) -
     turns = round(2.0 * np.pi / trace.phase_modulus_rad)
     k = turns * wavenumber(trace.frequencies_hz)
     h = matched_phasors(trace, turns, amplitude=matching.amplitude)
-    tables = tuple(_table(trace, volume, rows, h[rows], k, coherent=matching.coherent) for rows in runs(trace))
-    return Hologram(volume, float(2.0 * np.pi / k.max()), tables, matching.differential)
+    ready: Sequence[PhasorTable | PhaseRun]
+    if matching.coherent or matching.differential:
+        ready = [_table(trace, volume, rows, h[rows], k, coherent=matching.coherent) for rows in runs(trace)]
+    else:
+        ready = [_phases(trace, rows, h[rows], k) for rows in runs(trace)]
+    return Hologram(volume, float(2.0 * np.pi / k.max()), tuple(ready), matching.differential)
 
 
 def matched_phasors(trace: ReadTrace, turns: int, *, amplitude: bool) -> ComplexArray:
@@ -103,6 +113,21 @@ def matched_phasors(trace: ReadTrace, turns: int, *, amplitude: bool) -> Complex
     size = np.abs(trace.channel)
     unit = np.divide(trace.channel, size, out=np.zeros_like(trace.channel), where=size > 0) ** turns
     return np.asarray(unit * size / size.max() if amplitude and size.any() else unit)
+
+
+def _phases(trace: ReadTrace, rows: IntArray, h: ComplexArray, k: FloatArray) -> PhaseRun:
+    rx_m = trace.antenna_positions_m[rows]
+    tx_m = None if trace.tx_positions_m is None else trace.tx_positions_m[rows]
+    origin_m = rx_m.mean(axis=0)
+    still = tx_m is not None and not np.ptp(tx_m, axis=0).any()
+    ways = 2.0 if tx_m is None else 1.0
+    return PhaseRun(
+        origin_m=origin_m,
+        rx_m=(rx_m - origin_m).astype(np.float32),
+        tx_m=np.zeros((0, 3), np.float32) if tx_m is None or still else (tx_m - origin_m).astype(np.float32),
+        factors=np.ascontiguousarray(h.T).astype(np.complex64),
+        turns_per_m=(ways * k / (2.0 * np.pi)).astype(np.float32),
+    )
 
 
 def _table(

@@ -9,6 +9,7 @@ A curve can be cut into short chords as well. It is told from a polygon by its t
 legs stay straight, whereas a chord of a circle turns as far along itself as at its end.
 """
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +22,7 @@ LEAST_TURN_RAD = np.pi / 8  # ours: where two legs turn by less, the path is ben
 CURVED_SHARE = 0.5  # ours: a leg may turn this share of the corner next to it; an arc turns the whole of it
 LARGE_JUMP = 3.0  # ours: a step that is so many times the median step joins two legs that need not turn
 AREA_RATIO = 0.1  # ours: a path spans two directions if it is at least this wide for its length
+KEPT_PATHS = 32  # ours: all tags of a scan have one path, a dozen of them at a time at most a few heights
 
 
 def straight_legs(positions_m: FloatArray, tolerance_m: float) -> list[IntArray]:
@@ -36,14 +38,22 @@ def straight_legs(positions_m: FloatArray, tolerance_m: float) -> list[IntArray]
     Raises:
         UnsuitablePath: If a leg is not straight within the tolerance, or the path is a curve.
     """
+    return list(_straight_legs(np.ascontiguousarray(positions_m, dtype=np.float64).tobytes(), tolerance_m))
+
+
+@lru_cache(maxsize=KEPT_PATHS)
+def _straight_legs(positions: bytes, tolerance_m: float) -> tuple[IntArray, ...]:
+    """`straight_legs` of positions as bytes, so that the path that all tags of a scan share is cut once."""
+    positions_m = np.frombuffer(positions).reshape(-1, 3)
     rows = np.arange(len(positions_m))
+    rows.flags.writeable = False
     if bend_m(positions_m) <= tolerance_m:
-        return [rows]
+        return (rows,)
     bounds = _settled(positions_m, [0, *_farthest_cuts(positions_m, tolerance_m), len(positions_m)])
     found = np.split(rows, _needed(positions_m, bounds, tolerance_m)[1:-1])
     _check_straight(positions_m, found, tolerance_m)
     _check_corners(positions_m, found)
-    return found
+    return tuple(found)
 
 
 def bend_m(positions_m: FloatArray) -> float:

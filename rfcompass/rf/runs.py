@@ -5,11 +5,14 @@ positions that share it: those of one receiving port and, if a bistatic rig has 
 of one transmitter.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
-from rfcompass.arrays import FloatArray, IntArray
+from rfcompass.arrays import IntArray
 from rfcompass.types.reads import ReadTrace
 
+KEPT_PATHS = 128  # ours: legs of a few paths, which all tags of a scan share
 LEAST_DIFFERENCES = 8  # ours: three unknowns of a place, and enough beside them to see that they fit
 
 
@@ -22,7 +25,11 @@ def runs(trace: ReadTrace) -> list[IntArray]:
     found: list[IntArray] = []
     for port in np.unique(trace.antenna_ports):
         rows = np.flatnonzero(trace.antenna_ports == port)
-        found += [rows] if trace.tx_positions_m is None else _by_transmitter(trace, rows, trace.tx_positions_m[rows])
+        if trace.tx_positions_m is None:
+            found.append(rows)
+        else:
+            own, sender = trace.antenna_positions_m[rows].tobytes(), trace.tx_positions_m[rows].tobytes()
+            found += [rows[part] for part in _by_transmitter(own, sender)]
     return found
 
 
@@ -43,13 +50,16 @@ def legs(trace: ReadTrace) -> float:
     return 2.0 if moving else 1.0
 
 
-def _by_transmitter(trace: ReadTrace, rows: IntArray, tx_positions_m: FloatArray) -> list[IntArray]:
+@lru_cache(maxsize=KEPT_PATHS)
+def _by_transmitter(rx_positions: bytes, tx_positions: bytes) -> tuple[IntArray, ...]:
     """Transmitters that stand still serve many places of the receiver; one that moves along goes with one place only.
 
     A wrist that goes round twice, or ends where it began, meets each pair of places again; that is no fixed sender.
+    Positions come as bytes, so that what all tags of a scan share is sorted once.
     """
-    places, index = np.unique(tx_positions_m, axis=0, return_inverse=True)
-    pairs = np.unique(np.hstack([trace.antenna_positions_m[rows], tx_positions_m]), axis=0)
+    rx_m, tx_m = (np.frombuffer(positions).reshape(-1, 3) for positions in (rx_positions, tx_positions))
+    places, index = np.unique(tx_m, axis=0, return_inverse=True)
+    pairs = np.unique(np.hstack([rx_m, tx_m]), axis=0)
     if 2 * len(places) > len(pairs):
-        return [rows]
-    return [rows[index.ravel() == place] for place in range(len(places))]
+        return (np.arange(len(rx_m)),)
+    return tuple(np.flatnonzero(index.ravel() == place) for place in range(len(places)))

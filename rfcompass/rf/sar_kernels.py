@@ -55,7 +55,7 @@ def add_power(points_m: FloatArray, table: PhasorTable, power: Float32Array) -> 
     index, rest = np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.float32)
     for start in range(0, len(points_m), BLOCK):
         n = min(BLOCK, len(points_m) - start)
-        _load(points_m[start : start + n], table.origin_m, xyz)
+        load_points(points_m[start : start + n], table.origin_m, xyz)
         sums[:] = 0.0
         for m in range(M):
             _columns(xyz, table, m, index[:n], rest[:n])
@@ -65,7 +65,7 @@ def add_power(points_m: FloatArray, table: PhasorTable, power: Float32Array) -> 
                     real, imag = table.phasors[0, row], table.phasors[1, row]
                     _add_phasors(c, real, imag, index[:n], rest[:n], sums[look])
         for look in range(L):
-            _add_product(sums[look], sums[look], power[start : start + n])
+            add_product(sums[look], sums[look], power[start : start + n])
 
 
 @numba.njit(cache=True, fastmath=True)
@@ -76,7 +76,7 @@ def add_differential_power(points_m: FloatArray, table: PhasorTable, power: Floa
     term, index, rest = np.empty((2, BLOCK), np.float32), np.empty(BLOCK, np.uint32), np.empty(BLOCK, np.float32)
     for start in range(0, len(points_m), BLOCK):
         n = min(BLOCK, len(points_m) - start)
-        _load(points_m[start : start + n], table.origin_m, xyz)
+        load_points(points_m[start : start + n], table.origin_m, xyz)
         last[:] = 0.0
         for m in range(M):
             _columns(xyz, table, m, index[:n], rest[:n])
@@ -85,12 +85,13 @@ def add_differential_power(points_m: FloatArray, table: PhasorTable, power: Floa
                 if c != 0:
                     term[:] = 0.0
                     _add_phasors(c, table.phasors[0, row], table.phasors[1, row], index[:n], rest[:n], term)
-                    _add_product(term, last[look], power[start : start + n])
+                    add_product(term, last[look], power[start : start + n])
                     last[look] = term
 
 
 @numba.njit(cache=True)
-def _load(points_m: FloatArray, origin_m: FloatArray, xyz: Float32Array) -> None:
+def load_points(points_m: FloatArray, origin_m: FloatArray, xyz: Float32Array) -> None:
+    """Put a block of points (P, 3) [m] into the columns of `xyz`, about an origin."""
     for v in range(len(points_m)):
         for axis in range(3):
             xyz[axis, v] = points_m[v, axis] - origin_m[axis]
@@ -133,7 +134,7 @@ def _add_phasors(
 
 
 @numba.njit(cache=True, fastmath=True)
-def _add_product(one: Float32Array, other: Float32Array, power: Float32Array) -> None:
+def add_product(one: Float32Array, other: Float32Array, power: Float32Array) -> None:
     """Add Re(one · other*) at each point; both as (real, imaginary), shape (2, BLOCK)."""
     for v in range(power.size):
         power[v] += one[0, v] * other[0, v] + one[1, v] * other[1, v]

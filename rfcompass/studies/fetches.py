@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from planners.pick_up import GraspTrial
+from planners.time_account import TimeSpent
 from rfcompass.errors import NoAnswer
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.studies.comparisons import SCENES, robot_and_part
@@ -39,20 +40,27 @@ def _task(cell: Cell, seed: int, mode: Mode, proximity: str | None = None) -> Fe
 
 
 def _fetched(task: FetchTask) -> Mapping[str, MetricValue]:
-    stops, trials, ended = list[JudgedStep](), list[GraspTrial](), "answered"
+    stops, again, trials, ended = list[JudgedStep](), list[JudgedStep](), list[GraspTrial](), "answered"
     job = SimulatedFetch(task)
     try:
         stops.extend(job.steps())
     except NoAnswer as failure:
         ended = failure.kind
     answered = ended == "answered"
-    found = _errors(stops[-1] if answered else None)
     if answered and task.tags > 1:
         try:
-            trials.extend(event for event in job.pick_up(stops[-1]) if isinstance(event, GraspTrial))
+            for event in job.pick_up(stops[-1]):
+                trials.append(event) if isinstance(event, GraspTrial) else again.append(event)
         except NoAnswer as failure:
             ended = str(failure.numbers.get("reason", failure.kind))
-    return {**found, **_grasped(trials), "stops": float(len(stops)), "ended": ended, "answered": answered}
+    spent = [*(stop.step.spent for stop in (*stops, *again)), *(trial.spent for trial in trials)]
+    return {
+        **_errors(stops[-1] if answered else None),
+        **_grasped(trials, sum(spent, TimeSpent())),
+        "stops": float(len(stops)),
+        "ended": ended,
+        "answered": answered,
+    }
 
 
 def _errors(last: JudgedStep | None) -> dict[str, MetricValue]:
@@ -62,12 +70,15 @@ def _errors(last: JudgedStep | None) -> dict[str, MetricValue]:
     return {"centre_error_m": error_m, "theta_error_rad": last.theta_error_rad, "found": error_m <= FOUND_M}
 
 
-def _grasped(trials: Sequence[GraspTrial]) -> dict[str, MetricValue]:
+def _grasped(trials: Sequence[GraspTrial], spent: TimeSpent) -> dict[str, MetricValue]:
     held = bool(trials) and trials[-1].outcome.success
     return {
         "held": held,
         "held_at_once": held and len(trials) == 1,
         "tries": float(len(trials)) if held else None,
+        "drive_s": spent.drive_s if held else None,
+        "scan_s": spent.scan_s if held else None,
+        "total_s": spent.total_s if held else None,
         "chance": trials[0].plan.success_probability if trials else None,
     }
 
@@ -86,6 +97,9 @@ _METRICS = (
     Metric("held", (SHARE,), "bool", "part in the hand, within three tries", "%", 100.0, 0),
     Metric("held_at_once", (SHARE,), "bool", "part in the hand at the first try", "%", 100.0, 0),
     Metric("tries", ("mean",), "float", "tries, where it was held", "", 1.0, 2),
+    Metric("drive_s", ("mean",), "float", "time of driving, where it was held", "s", 1.0, 0),
+    Metric("scan_s", ("mean",), "float", "time of the antenna's way, at 0.2 m/s", "s", 1.0, 0),
+    Metric("total_s", ("median", "p90"), "float", "time of both and of the arm, from start to hand", "s", 1.0, 0),
     Metric("chance", ("mean",), "float", "success expected of the first try", "%", 100.0, 0),
     Metric("ended", column="text"),
 )

@@ -38,13 +38,23 @@ def test_the_compiled_filter_is_the_printed_sum(matching, heard):
     assert np.abs(found - expected).max() < 2e-3 * expected.max()
 
 
-def test_a_bistatic_path_uses_both_ways():
+@pytest.mark.parametrize("matching", MATCHINGS, ids=str)
+@pytest.mark.parametrize("moves", [False, True], ids=["still", "moving"])
+def test_a_bistatic_path_uses_both_ways(moves, matching):
     trace = reads_of([0.4, 0.7, 0.05])
-    tx_m = np.tile([0.5, -0.4, 0.3], (len(RAIL_M), 1))
+    tx_m = RAIL_M + [0.0, 0.3, 0.1] if moves else np.tile([0.5, -0.4, 0.3], (len(RAIL_M), 1))
     both = ReadTrace("tag", RAIL_M, FREQUENCIES_HZ, trace.channel, trace.read_counts, trace.antenna_ports, tx_m)
     points_m = np.random.default_rng(2).uniform(VOLUME.lower_m, VOLUME.upper_m, (200, 3))
-    expected = printed_sum(both, points_m, Matching())
-    assert np.abs(build_hologram(both, VOLUME, Matching()).power(points_m) - expected).max() < 2e-3 * expected.max()
+    expected = printed_sum(both, points_m, matching)
+    assert np.abs(build_hologram(both, VOLUME, matching).power(points_m) - expected).max() < 2e-3 * expected.max()
+
+
+@given(st.floats(-2.0, 2.0), st.floats(0.1, 2.0))
+def test_looks_of_one_channel_need_no_table_and_err_by_rounding_only(x_m, y_m):
+    trace, points_m = reads_of([x_m, y_m, 0.05]), np.random.default_rng(4).uniform([-5, 0.1, -2], [5, 5, 2], (600, 3))
+    wide = SearchVolume([-5.0, 0.1, -2.0], [5.0, 5.0, 2.0])
+    expected = printed_sum(trace, points_m, Matching())
+    assert np.abs(build_hologram(trace, wide, Matching()).power(points_m) - expected).max() < 1e-4 * expected.max()
 
 
 @given(st.integers(0, 1000))

@@ -20,6 +20,7 @@ def test_a_fetch_is_judged_at_its_last_stop():
     assert row["stops"] >= 5
     assert row["held"]
     assert row["held_at_once"] == (row["tries"] == 1.0)
+    assert 0.0 < row["drive_s"] < row["total_s"] - row["scan_s"]  # the rest is the arm's
 
 
 def test_one_tag_is_located_and_not_grasped():
@@ -37,7 +38,7 @@ def test_an_end_without_an_answer_is_a_row_with_its_reason(monkeypatch):
     row = fetch_trial(cell(), 3, None)
     assert row == {"centre_error_m": None, "theta_error_rad": None, "found": False, "stops": 0.0,
                    "ended": "OutOfReach", "answered": False, "held": False, "held_at_once": False, "tries": None,
-                   "chance": None}  # fmt: skip
+                   "chance": None, "drive_s": None, "scan_s": None, "total_s": None}  # fmt: skip
 
 
 def test_the_paper_and_we_differ_in_track_meter_and_estimator():
