@@ -42,7 +42,7 @@ def test_the_compiled_filter_is_the_printed_sum(matching, heard):
 @pytest.mark.parametrize("moves", [False, True], ids=["still", "moving"])
 def test_a_bistatic_path_uses_both_ways(moves, matching):
     trace = reads_of([0.4, 0.7, 0.05])
-    tx_m = RAIL_M + [0.0, 0.3, 0.1] if moves else np.tile([0.5, -0.4, 0.3], (len(RAIL_M), 1))
+    tx_m = RAIL_M + np.array([0.0, 0.3, 0.1]) if moves else np.tile([0.5, -0.4, 0.3], (len(RAIL_M), 1))
     both = ReadTrace("tag", RAIL_M, FREQUENCIES_HZ, trace.channel, trace.read_counts, trace.antenna_ports, tx_m)
     points_m = np.random.default_rng(2).uniform(VOLUME.lower_m, VOLUME.upper_m, (200, 3))
     expected = printed_sum(both, points_m, matching)
