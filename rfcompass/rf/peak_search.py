@@ -4,7 +4,7 @@ A hologram has side lobes about half a wavelength apart. A coarse step of an eig
 the best local maxima of the coarse grid, not only the first, are climbed on ever finer grids.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,23 +74,31 @@ def highest_peak(
         resolution_m: The finest step is no longer than this [m].
     """
     starts = coarse_peaks(power_at, volume, wavelength_m, keep=keep)
-    step_m = wavelength_m / STEPS_PER_WAVELENGTH
-    tops = [climb(power_at, volume, start, step_m, resolution_m=resolution_m) for start in starts]
+    tops = climb(power_at, volume, starts, wavelength_m / STEPS_PER_WAVELENGTH, resolution_m=resolution_m)
     return max(tops, key=lambda peak: peak.power)
 
 
-def climb(power_at: PowerAt, volume: SearchVolume, start: Peak, step_m: float, *, resolution_m: float) -> Peak:
-    """Climb from a grid point to the top of its lobe, on grids of ever smaller step."""
-    best = start
+def climb(
+    power_at: PowerAt, volume: SearchVolume, starts: Sequence[Peak], step_m: float, *, resolution_m: float
+) -> list[Peak]:
+    """Climb from some grid points, each to the top of its lobe, on grids of ever smaller step.
+
+    All climb side by side, since asking for the power of a few points takes as long as for many.
+    """
+    best = list(starts)
     while step_m > resolution_m:
         step_m /= FINER
+        climbing = list(range(len(best)))
         for _ in range(MOVES):
-            points_m = _neighbourhood(volume, best.point_m, step_m)
-            power = power_at(points_m)
-            top = int(np.argmax(power))
-            if power[top] <= best.power:
+            around_m = np.stack([_neighbourhood(volume, best[i].point_m, step_m) for i in climbing])
+            power = power_at(around_m.reshape(-1, 3)).reshape(len(climbing), -1)
+            tops = power.argmax(axis=1).tolist()
+            risen = [k for k, i in enumerate(climbing) if power[k, tops[k]] > best[i].power]
+            for k in risen:
+                best[climbing[k]] = Peak(around_m[k, tops[k]], float(power[k, tops[k]]))
+            climbing = [climbing[k] for k in risen]
+            if not climbing:
                 break
-            best = Peak(points_m[top], float(power[top]))
     return best
 
 
