@@ -9,21 +9,20 @@ A goal that is not free is moved to the nearest place that is: half of the way t
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from planners.corner_ways import AreaM, way_past_corners
+from planners.drive_ends import facing, near_goals
 from planners.grasp_question import pose_of
+from planners.map_pose import MapPose
 from planners.margins import grown
 from planners.motion_check import RESOLUTION_M, MotionChecker
 from planners.path_search import GOAL_BLOCKED, SearchRules
 from planners.short_drive import first_part, plan_short_drive, shortened
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import TagNeverHeard
 from rfcompass.geometry.pose2 import Pose2
-from rfcompass.localization.locate_base import locate_base
 from rfcompass.robots import CollisionModel, QuickCollisions, Robot
 from rfcompass.robots.collision_model import homogeneous
 from rfcompass.types.configuration import Configuration
@@ -41,17 +40,11 @@ Path: TypeAlias = tuple[Configuration, ...]
 CLEAR_M = 0.05
 # Ours: touches of a grown body may be missed if they are shallower than this share of the margin, which saves time.
 _RESOLUTION = 0.2
-# Ours: goals in place of one that is not free, by how far they lie from it [m], in how many directions, and turned by
-# how much [rad]; a radian counts as 0.3 m, as for the search. So many of them are tried at most.
-_RINGS_M = np.arange(0.1, 0.91, 0.1)
-_DIRECTIONS = 16
-_TURNS_RAD = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0])
-_M_PER_RAD = 0.3
+# Ours: so many places are tried at most in place of one that is not free.
 _TRIED_GOALS = 4
 # Ours: ends of a way to the part that face it, or nearly, where none is free as far from it as is asked for [m, rad].
 _NEARER_M = (0.35, 0.45)
 _ASIDE_RAD = (0.0, np.pi / 4, -np.pi / 4)
-_SIDES = 24
 _SHORTCUTS = 60
 RULES = SearchRules(most_checks=5000)
 PART_CLEAR_M = 0.02  # ours: what the base keeps from the part that is sought, which the hand has to come near to [m]
@@ -67,53 +60,6 @@ AT_PART_M = 0.35
 AT_BODY_M = 0.15
 # A corner of a grown box is this much further out than the margin.
 _AT_CORNERS = np.sqrt(3.0)
-
-
-class MapPose(Protocol):
-    """Knows where the base stands on the map."""
-
-    def base_pose(self, observation: Observation) -> Pose2 | None:
-        """Pose of the base in the map frame at a stop; None if that is not known."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class KnownStart:
-    """The pose on the map is known where odometry begins, as on a charging station; from there on odometry tells.
-
-    Attributes:
-        T_map_odom: Pose of the frame of odometry on the map.
-    """
-
-    T_map_odom: Pose2
-
-    def base_pose(self, observation: Observation) -> Pose2:
-        """Pose of the base in the map frame."""
-        return self.T_map_odom @ observation.base_pose
-
-
-@dataclass(slots=True)
-class RadioPose:
-    """The robot's own tags, seen from the antenna's track, tell the pose; where they do not, odometry from there."""
-
-    _T_map_odom: Pose2 | None = field(init=False, default=None)
-    _told_by: Observation | None = field(init=False, default=None)
-
-    def base_pose(self, observation: Observation) -> Pose2 | None:
-        """Pose of the base in the frame of the antenna's positions; None before the tags have first told it."""
-        if observation is not self._told_by:  # images take longer than all else here
-            self._listen(observation)
-            self._told_by = observation
-        return None if self._T_map_odom is None else self._T_map_odom @ observation.base_pose
-
-    def _listen(self, observation: Observation) -> None:
-        try:
-            base = locate_base(observation)
-        except TagNeverHeard:
-            base = None
-        if base is not None and base.theta_rad is not None:
-            T_map_base = Pose2(float(base.centre_m[0]), float(base.centre_m[1]), base.theta_rad)
-            self._T_map_odom = T_map_base @ observation.base_pose.inverse()
 
 
 @dataclass(frozen=True, slots=True)
@@ -306,7 +252,7 @@ class DriveAround:
         self, checker: MotionChecker, start: Configuration, goal: Pose2, approach: Approach | None
     ) -> Iterator[Pose2]:
         """Free goals for one that is not: the nearest to it, but first those, near the robot, that reach the part."""
-        goals, count = _near(goal), 0
+        goals, count = near_goals(goal), 0
         if approach is not None:
             part_m, robot_m = approach.part_m, start.base.translation_m
             reaching = [near for near in goals if _apart_m(near, part_m) <= approach.reach_m]
@@ -355,23 +301,6 @@ class DriveAround:
         return Body(part.part_id, shape, homogeneous(T_map_base) @ pose_of(seen))
 
 
-def facing(
-    part_m: FloatArray, off_m: Sequence[float], first_rad: float, aside_rad: Sequence[float] = (0.0,)
-) -> list[Pose2]:
-    """Poses about a part that face it.
-
-    Args:
-        part_m: Where it is [m], shape (2,).
-        off_m: At which distances from it [m].
-        first_rad: Heading of the first of them.
-        aside_rad: By how much they may look past it.
-    """
-    headings_rad = first_rad + 2 * np.pi * np.arange(_SIDES) / _SIDES
-    rows = product(off_m, headings_rad.tolist(), aside_rad)
-    x_m, y_m = part_m.tolist()
-    return [Pose2(x_m - r * float(np.cos(a)), y_m - r * float(np.sin(a)), float(a + turn)) for r, a, turn in rows]
-
-
 def _apart_m(pose: Pose2, point_m: FloatArray) -> float:
     return float(np.linalg.norm(pose.translation_m - point_m))
 
@@ -383,13 +312,3 @@ def _beside_m(body: Body, point_m: FloatArray) -> float:
     return float(
         np.linalg.norm(np.maximum(0.0, np.maximum(body.shape.lower_m[:2] - own_m, own_m - body.shape.upper_m[:2])))
     )
-
-
-def _near(goal: Pose2) -> list[Pose2]:
-    """Places around a goal, the nearest first."""
-    angles_rad = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-    offsets = [(0.0, 0.0, turn) for turn in _TURNS_RAD[1:].tolist()]
-    for off_m, angle, turn in product(_RINGS_M.tolist(), angles_rad.tolist(), _TURNS_RAD.tolist()):
-        offsets.append((off_m * np.cos(angle), off_m * np.sin(angle), turn))
-    offsets.sort(key=lambda row: round(float(np.hypot(row[0], row[1]) + _M_PER_RAD * abs(row[2])), 9))
-    return [goal @ Pose2(float(x), float(y), float(turn)) for x, y, turn in offsets]

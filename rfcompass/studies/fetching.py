@@ -7,11 +7,12 @@ from typing import Literal
 import numpy as np
 
 from planners.antenna_track import NearTrack
-from planners.drive_around import DriveAround, KnownStart, MapPose, RadioPose
+from planners.drive_around import DriveAround
 from planners.fetch import Fetch, FetchRules, FetchStep
 from planners.final_stops import FinalStops
 from planners.grasp import GraspPlanner
 from planners.hand_stops import HandStops
+from planners.map_pose import KnownStart, MapPose, RadioPose
 from planners.motion_check import MotionChecker
 from planners.near_antenna import NearAntenna
 from planners.pick_up import GraspTrial, PickUp

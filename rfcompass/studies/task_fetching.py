@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from planners.deliver import Delivery, PutDown
-from planners.drive_around import KnownStart, MapPose, RadioPose
 from planners.fetch import FetchStep
 from planners.guided_drive import GuidedDrive
+from planners.map_pose import KnownStart, MapPose, RadioPose
 from planners.worth_driving import is_placed, is_worth_driving
 from rfcompass.errors import NoAnswer
 from rfcompass.evaluation.metrics import position_error_m

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from planners.corner_ways import corner_poses, way_past_corners
-from planners.drive_around import facing
+from planners.drive_ends import facing
 from planners.motion_check import MotionChecker
 from rfcompass.geometry import Pose2
 from rfcompass.robots import CollisionModel, QuickCollisions, YouBot

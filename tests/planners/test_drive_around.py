@@ -5,8 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from planners.drive_around import Approach, DriveAround, KnownStart, RadioPose
+from planners.drive_around import Approach, DriveAround
 from planners.fetch import Fetch, FetchRules
+from planners.map_pose import KnownStart, RadioPose
 from planners.motion_check import MotionChecker
 from planners.path_search import SearchRules
 from planners.short_drive import cost_m, first_part, plan_short_drive, shortened

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planners.drive_around import DriveAround, KnownStart
+from planners.drive_around import DriveAround
 from planners.guided_drive import BACK_M, MOST_BUMPS, GuidedDrive, _back, is_short, whole
+from planners.map_pose import KnownStart
 from rfcompass.geometry import Pose2
 from rfcompass.recordings import PartDatabase
 from rfcompass.robots import CollisionModel, QuickCollisions, YouBot
