@@ -130,7 +130,6 @@ PATH_RATIO = Study(
     seeds=range(1000, 1100),
     tuning_seeds=range(20),
     trial=path_trial,
-    applies=lambda cell, seed: cell["way"] != "paper" or seed < 1030,
     metrics=(
         Metric("reached", (SHARE,), "bool", "runs that end with the part in reach", "%", 100.0, 0),
         Metric("ratio", ("mean", "median", "max10"), "float", "way over straight line", "", 1.0, 3),
@@ -152,9 +151,8 @@ PATH_RATIO = Study(
         "a disc as wide as the base, around what reaches the floor: a lower bound. Nothing stops the base but the "
         "border of its area; `runs that touch nothing` says how often nothing would have. Ratios are of runs that end "
         "with the part within 0.7 m. `best` sees from its own tags where it is on the map, `paper` is told at the "
-        "start; it seldom arrives, so that thirty rooms say enough. Motion capture: eight cameras of unlimited view "
-        "under the ceiling, four markers on the part; it looks under a chair that is open below, unlike the paper's, "
-        "which found no hidden part."
+        "start. Motion capture: eight cameras of unlimited view under the ceiling, four markers on the part; it looks "
+        "under a chair that is open below, unlike the paper's, which found no hidden part."
     ),
     draws=draw_path_ratio,
 )

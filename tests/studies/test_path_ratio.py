@@ -105,10 +105,3 @@ def test_the_figures_show_ratios_and_the_ways_of_one_run():
     shares, ways = figures.values()
     assert [axes.get_title(loc="left") for axes in shares.axes] == ["in sight", "hidden"]
     assert all(axes.patches for axes in ways.axes)
-
-
-def test_the_papers_way_is_asked_of_thirty_rooms_and_the_others_of_all():
-    rooms = [
-        [PATH_RATIO.applies(cell(way=way), seed) for seed in PATH_RATIO.seeds] for way in ("paper", "best", CAMERAS)
-    ]
-    assert [sum(asked) for asked in rooms] == [30, 100, 100]
