@@ -199,7 +199,7 @@ def skewness(falls: FloatArray) -> FloatArray:
     return np.where(apart > 0, np.abs(np.arctan(run / np.maximum(apart, 1e-9))), 0.0)
 
 
-def main(fast: bool = False) -> None:
+def run(fast: bool = False) -> list[Timing]:
     """Time both on one image."""
     view, quality = depth_view(), AntipodalQuality()
     repeats = 1 if fast else 5
@@ -211,10 +211,10 @@ def main(fast: bool = False) -> None:
     differ = np.abs(theirs[both] - ours.log_odds[both]).max()
     standing = int((points_image(view)[..., 2] > quality.standing_m).sum())
     print(f"{standing} of {view.depth_m.size} pixels stand above the table; the same pixels have a grasp: {same.all()}")
-    show(
-        [Timing("grasp map, 8 angles, 4 depths, 320 x 180", ours_s, "numpy, all pixels at once", peer_s, float(differ))]
-    )
+    return [
+        Timing("grasp map, 8 angles, 4 depths, 320 x 180", ours_s, "numpy, all pixels at once", peer_s, float(differ))
+    ]
 
 
 if __name__ == "__main__":
-    main("--fast" in sys.argv)
+    show(run("--fast" in sys.argv))

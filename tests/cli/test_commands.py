@@ -1,5 +1,6 @@
 """What each command answers, and how it fails: exit 0 done, 1 no answer, 2 bad input, and nothing half-written."""
 
+import ast
 import gzip
 import json
 
@@ -8,6 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from rfcompass.cli.bench import BENCHMARKS
 from rfcompass.recordings import AntennaPoses, Trace, TraceMeta, reads_table, write_trace
 from rfcompass.simulation import SweepScene, simulate_sweep
 
@@ -209,6 +211,15 @@ def test_a_study_without_its_data_is_bad_input_and_leaves_nothing(run, tmp_path,
     ran = run("study", "run", "measured-survey", "--out", tmp_path / "out", "--json")
     assert (ran.code, ran.json["failure"]["kind"]) == (2, "StudyError")
     assert not (tmp_path / "out").exists()
+
+
+def test_every_benchmark_that_bench_finds_can_be_run_by_it():
+    for file in BENCHMARKS.glob("bench_*.py"):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        takes = [one.args for one in tree.body if isinstance(one, ast.FunctionDef) and one.name == "run"]
+        assert takes, file
+        assert [given.arg for given in takes[0].args][:1] == ["fast"], file
+        assert len(takes[0].args) == len(takes[0].defaults), file
 
 
 def test_bench_runs_and_reports_ratios(run):
