@@ -2,7 +2,7 @@
 
 Six tags on the robot, two on the part; the hand goes to seven places. The convex program of the paper needs all rows to
 hold and can only drop those with the smallest margin; flipped rows have any. The pose that meets the most rows, and the
-posterior that was told how many are wrong, live with them.
+posterior, in which any answer may be wrong, live with them.
 
 You will see what each of three methods answers after one, three and seven stops, and get `wrong.png`. Takes 5 s.
 """

@@ -1,7 +1,7 @@
-"""Search a pile for a red thing that no camera sees: scan, map, take off what lies over it, until it is in the hand.
+"""Search a pile for a red thing that no camera sees: scan, map, take off what lies over it, until it is carried off.
 
 A UR5e goes round the table, asks two ways of searching where the thing may be and what to take next, and grasps in a
-physics simulation. You will see every action, what was in the hand, and how much space is left where the target could
+physics simulation. You will see every action, what came of it, and how much space is left where the target could
 be, for FuseBot's rule and for ours on the same pile; and get `search.html`, a film with a slider (arm, pile, map,
 grasps), and `report.html` with every decision. Needs MuJoCo (`pip install 'rfcompass[piles]'`). Takes 40 s.
 """

@@ -221,7 +221,7 @@ class ExtractionPolicy(Protocol):
             failed_m: Where grasps have failed since the last success, in the world frame [m], shape (3,) each.
 
         Raises:
-            NothingToGrasp: If the view shows no object, or none that a hand could close on.
+            NothingToGrasp: If the view shows no object that has a depth.
         """
         ...
 
