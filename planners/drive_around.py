@@ -1,10 +1,12 @@
 """Drives of the base around what stands on a map.
 
 Map frame: any in which somebody knows both the obstacles and, about, where the base stands; that of the antenna's track
-serves, since the robot's own tags are seen from it (`RadioPose`). The way is planned in it (`planners.navigation`), for
-the whole robot, with all bodies grown by a margin, and handed back in the present base frame.
+serves, since the robot's own tags are seen from it (`RadioPose`). The way is planned in it, for the whole robot, with
+all bodies grown by a margin, and handed back in the present base frame.
 
-A goal that is not free is moved to the nearest place that is: half of the way to the part may end in a desk.
+First the shortest way past corners is asked for (`planners.corner_ways`); one to the part may end on any side of it.
+Where there is none, OMPL searches (`planners.short_drive`). A goal that is not free is then moved to the nearest place
+that is: half of the way to the part may end in a desk.
 """
 
 from collections.abc import Iterator, Sequence

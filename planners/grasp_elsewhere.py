@@ -1,8 +1,8 @@
 """Where the base must drive first, for a part that the arm does not get to from here.
 
-With a map of what the arm can do the place comes from `best_base_pose`, which weighs the whole estimate; without one
-the inverse kinematics lets the base drive along, for the grasp of the part that its shape speaks for most. Grasps where
-something stands in the place of the hand are left out: they can be done from nowhere.
+With a map of what the arm can do the first place comes from `best_base_pose`, which weighs the whole estimate. After
+that, and without a map, the inverse kinematics lets the base drive along, for the grasps of the part that its shape
+speaks for most. Grasps where something stands in the place of the hand are left out: they can be done from nowhere.
 """
 
 from collections.abc import Iterator, Sequence

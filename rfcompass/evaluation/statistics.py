@@ -128,7 +128,7 @@ def wilson_interval(successes: int, trials: int, level: float = 0.95) -> Interva
 
 
 def exact_interval(successes: int, trials: int, level: float = 0.95) -> Interval:
-    """Interval of a share that covers it with at least the level, after Clopper and Pearson (1934).
+    """Interval of a share that covers it with at least the level [ClopperPearson1934].
 
     Its limits are the shares at which so many successes, or more, and so many, or fewer, have a probability of
     (1 - level) / 2 each: quantiles of Beta(s, n - s + 1) and Beta(s + 1, n - s). Wider than `wilson_interval`, whose

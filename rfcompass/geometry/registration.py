@@ -1,4 +1,4 @@
-"""Rigid registration of point sets in the plane, after Kabsch (1976) and Umeyama (1991)."""
+"""Rigid registration of point sets in the plane, after [Kabsch1976] and [Umeyama1991]."""
 
 import numpy as np
 

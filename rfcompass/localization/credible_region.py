@@ -43,7 +43,7 @@ def _cross(a: FloatArray, b: FloatArray, p: FloatArray) -> float:
 
 @numba.njit(cache=True, error_model="numpy")
 def _hull(points: FloatArray) -> FloatArray:
-    """Convex hull of points sorted by x, then y (Andrew, 1979), counter-clockwise."""
+    """Convex hull of points sorted by x, then y [Andrew1979], counter-clockwise."""
     chain, n = np.empty((2 * len(points) + 1, 2)), 0
     for start, step in ((0, 1), (len(points) - 1, -1)):
         floor = n + 1

@@ -1,4 +1,4 @@
-"""Each part tag is where the nearest robot tags are: PinIt's rule, the simplest there is."""
+"""Each part tag is where the nearest robot tags are: the rule of [PinIt2013], the simplest there is."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from rfcompass.types.observation import Observation
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NearestTagLocalizer:
-    """Places of the robot's tags that seem nearest, averaged: a baseline [PinIt].
+    """Places of the robot's tags that seem nearest, averaged: a baseline [PinIt2013].
 
     p_k = Σ_i w_i a_i / Σ_i w_i over the n anchors with the smallest m_ki of all stops, w_i = 1 / m_ki, and the part is
     laid through the p_k. Never outside the hull of the robot's tags, and hardly ever nearer than their spacing; where

@@ -1,7 +1,7 @@
 """Numerical kernels of the partition: a small linear program and the analytic centre, compiled.
 
 Both work on rows G y <= h of unit length, stored by column: G has shape (n, M), with n = 2 to 5 unknowns and M
-rows. The linear program is solved by the primal-dual method of Mehrotra (1992). A primal barrier method must not
+rows. The linear program is solved by the primal-dual method of [Mehrotra1992]. A primal barrier method must not
 look for the first feasible point here: it stalls on the border of the unit disc, where the true pose always lies.
 """
 

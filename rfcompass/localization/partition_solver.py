@@ -67,7 +67,7 @@ def solve_partition(
     """Find a centre of {z : A z <= b, c² + s² <= 1, z in the bounds} [Wang2013], Eq. 4 and Eq. 8.
 
     - `"analytic"`: argmin of -Σ log(b - A z) - log(1 - c² - s²) over all rows and the four of the bounds, what an
-      interior-point method tends to. Does not depend on scales. Each row repels, implied ones too.
+      interior-point method tends to [Boyd2004]. Does not depend on scales. Each row repels, implied ones too.
     - `"chebyshev"`: centre of the largest ball, with c and s scaled by 0.2 m and a 64-gon in place of the disc.
     - `"centroid"`: mean of (x0, y0, cos θ, sin θ) over all poses that meet all rows with c² + s² = 1, every
       x0, y0, θ weighing the same. A mean of such points lies in the cell, so it solves Eq. 8 too. Where the cell

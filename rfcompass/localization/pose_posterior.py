@@ -161,7 +161,7 @@ class PosePosterior(Record):
     def samples(self, count: int) -> FloatArray:
         """Poses (x, y, θ) that stand for the posterior [m, m, rad], shape (count, 3), always the same ones.
 
-        Systematic over the cells; inside a cell at the points of an additive sequence (Roberts, 2018).
+        Systematic over the cells; inside a cell at the points of an additive sequence [Roberts2018].
         """
         edges = np.cumsum(self.weight) / self.weight.sum()
         chosen = np.minimum(np.searchsorted(edges, (np.arange(count) + 0.5) / count), len(edges) - 1)

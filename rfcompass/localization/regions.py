@@ -117,7 +117,7 @@ class _Cell:
 
 
 def convex_hull(points_m: FloatArray) -> FloatArray:
-    """Corners of the convex hull (Andrew, 1979) [m], counter-clockwise, shape (V, 2).
+    """Corners of the convex hull [Andrew1979] [m], counter-clockwise, shape (V, 2).
 
     Args:
         points_m: Points [m], shape (C, 2).

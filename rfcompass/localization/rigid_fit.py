@@ -96,7 +96,7 @@ def fit_rigid_part(points_m: FloatArray, places_m: FloatArray, sd_m: float = LEA
 
 
 def spatial_median(points_m: FloatArray) -> FloatArray:
-    """Point with the smallest sum of distances to all others (Weiszfeld, 1937); turns with the frame, shape (2,).
+    """Point with the smallest sum of distances to all others [Weiszfeld1937]; turns with the frame, shape (2,).
 
     Args:
         points_m: Points [m], shape (P, 2); with two it is their middle.

@@ -10,7 +10,7 @@ In the cell d moves by at most ρ, the first term falls with s² and the second 
 the smallest s² in the first and the largest in the second term bound it. A comparison "nearer to i than to j" adds
 γ log(λ/2 + (1 - λ) / (1 + exp(-(d_j - d_i) / s))), and in the cell d_j - d_i moves by at most
 ρ min(2, 2 |a_i - a_j| / (d_i + d_j - 2ρ)), because directions to two points differ by at most twice their distance
-over the sum of their ranges (Dunkl and Williams, 1964).
+over the sum of their ranges [DunklWilliams1964].
 
 Tables: a distance is [a_x, a_y, a_z - z, r, α², β², v, w, c_x, c_y], where the variance that odometry adds is
 v + w |p - c|²; a comparison is [i_x, i_y, i_z - z, j_x, j_y, j_z - z, |a_i - a_j|, s², λ, γ, v, w, c_x, c_y], where

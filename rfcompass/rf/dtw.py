@@ -2,9 +2,9 @@
 
 D(i, j) = |a_i - b_j|^q + min( D(i-1, j-1),  D(i-1, j) + p,  D(i, j-1) + p ),      DTW(a, b) = D(n-1, m-1),
 
-with q = 1 or 2 and a penalty p for each step off the diagonal. A Sakoe-Chiba band of w samples admits only cells with
-|i - j| <= w (wider by the difference in length where n ≠ m). Without band and penalty the warp is free: DTW then
-forgives any shift of a peak, however large.
+with q = 1 or 2 and a penalty p for each step off the diagonal. A Sakoe-Chiba band of w samples [Sakoe1978] admits only
+cells with |i - j| <= w (wider by the difference in length where n ≠ m). Without band and penalty the warp is free: DTW
+then forgives any shift of a peak, however large.
 
 Each cell depends on its neighbours, but the cells of different pairs of profiles do not, so several pairs are computed
 side by side (`LANES`), in step. The compiler turns the innermost loop over lanes into vector instructions.

@@ -71,7 +71,7 @@ class ComparatorQuality(Record):
 
 @dataclass(frozen=True, slots=True)
 class DistanceCalibration(Record):
-    """Distance as a growing step function of m, made by `calibrate_distances`.
+    """Distance as a growing function of m, straight between knots, made by `calibrate_distances`.
 
     Attributes:
         m: Knots in the units of the meter, ascending, shape (P,).

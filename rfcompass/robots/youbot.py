@@ -25,8 +25,8 @@ def YouBot(layout: str = "x4") -> Robot:
     0.42 m ahead of the base centre, hand open).
 
     Args:
-        layout: "x4" (nine tags, default), "l0" (nine tags, as the paper's text suggests), "skew6" (six tags), or the
-            path of a JSON file.
+        layout: "x4" (nine tags, default), "l0" (nine tags, as the paper's text suggests), "skew6" (six tags), another
+            of `known_layouts()`, or the path of a JSON file.
 
     Raises:
         UnknownRobot: If there is no such layout; lists those that there are.

@@ -1,4 +1,4 @@
-"""Which tag answers when: slotted ALOHA as in Gen2, with the Q algorithm of its annex D.
+"""Which tag answers when: slotted ALOHA as in Gen2 [EPC-Gen2], with the Q algorithm of its annex D.
 
 A round offers 2^Q slots; every tag that has power draws one. A slot with one answer is a read, one with several a
 collision, one with none passes quickly. Collisions raise Q, empty slots lower it, by a step C in a floating Qfp; as

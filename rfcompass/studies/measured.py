@@ -1,8 +1,8 @@
 """Studies on measured sweeps: how well tags are located, and which comparisons are right.
 
-The sweeps are public but not ours to ship; see `docs/studies.md` for where they come from. They are looked for
-in the folder named by `RFCOMPASS_MEASURED_DATA`: `traces/NAME/` in the trace format, and `truth/NAME.json` with
-the tape-measured tag positions, which only this module reads. One sweep is one seed.
+The sweeps are public but not ours to ship: those of [AdaRF2019] and of [UAB2025]. They are looked for in the folder
+named by `RFCOMPASS_MEASURED_DATA`: `traces/NAME/` in the trace format, and `truth/NAME.json` with the tape-measured tag
+positions, which only this module reads. One sweep is one seed.
 """
 
 import functools
