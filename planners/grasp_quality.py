@@ -77,7 +77,7 @@ class AntipodalQuality:
         jaws: The hand.
         table_m: Height of the table in the world [m].
         standing_m: What is lower than this over the table is table [m]; ours.
-        friction: Between finger and thing [Mahler2017]; a side that is more skew than its cone is not gripped.
+        friction: Between finger and thing; ours; a side that is more skew than its cone is not gripped [Nguyen1988].
         angles: Number of directions of the jaws; ours.
         depths_m: How far the tips go below the surface; ours [m].
         cell_m: Edge of a cell of the height map; ours [m].
