@@ -247,6 +247,14 @@ def test_a_scan_takes_the_way_of_the_antenna_and_the_next_one_the_way_to_it():
     assert account.close().total_s == 0.0
 
 
+def test_a_motion_of_the_arm_takes_as_long_as_its_slowest_joint():
+    account, moved = TimeAccount(), JOINTS.copy()
+    joint = int(np.flatnonzero(ROBOT.limits.velocity > 0)[0])
+    moved[joint] += 0.4 * ROBOT.limits.velocity[joint]
+    account.moved_arm(ROBOT, [JOINTS, moved, JOINTS])
+    assert account.close().arm_s == pytest.approx(2 * 0.4 / 0.8)
+
+
 def test_the_steps_hold_the_time_of_all_drives():
     device = a_device()
     steps = navigated(device, None)

@@ -141,7 +141,9 @@ def test_if_no_look_is_worth_a_drive_the_surest_one_is_driven_to_and_alone_remem
     device = a_device(2.0, 0.0)
     seer = Unsure(device, *doubts_m, 0.1)
     loop = Fetch(ROBOT, device, seer, ROBOT.posture("scan"), FetchRules(), None, Elsewhere(2))
+    loop._time.drove([Pose2(0.8, 0.0, 0.0)])  # before the first look, which need not be the surest
     first, second, *_ = loop.navigate()
+    assert first.spent.drive_s == pytest.approx(1.0)
     assert np.sqrt(first.estimate.covariance[1, 1]) == pytest.approx(0.8)
     assert first.observation.stop_id == doubts_m.index(0.8)
     assert seer.given[3] == [first.observation.stop_id, second.observation.stop_id]

@@ -112,6 +112,17 @@ def test_after_a_failed_try_the_hand_backs_off_and_the_part_is_measured_anew():
     assert all(isinstance(event, FetchStep) for event in events[1:4])
 
 
+def test_a_try_takes_the_time_of_its_motions_and_a_failed_one_that_of_the_way_back():
+    device = Device(failing=1)
+    (failed, *_, held), _ = picked_up(device, Told(device))
+    for trial, backs in ((failed, 1), (held, 0)):
+        seconds = {stage.stage: float(stage.times_s[-1]) for stage in trial.plan.stages}
+        last = len(seconds) if trial is held else list(seconds).index("close") + 1
+        expected_s = sum(list(seconds.values())[:last]) + backs * seconds["approach"]
+        assert trial.spent.arm_s == pytest.approx(expected_s)
+        assert trial.spent.total_s == trial.spent.arm_s > 0.0
+
+
 def test_the_budget_of_tries_ends_with_the_last_reason():
     device = Device(failing=9)
     events, failure = picked_up(device, Told(device), max_tries=2)
