@@ -445,9 +445,11 @@ def write_grasp_trials(runs):
 
 def write_search(runs):
     """Write the tables of the page on searches."""
-    from write_search import write
+    import write_search as main_study
+    import write_search_studies as others
 
-    write(runs)
+    main_study.write(runs)
+    others.write(runs)
 
 
 def main(runs):

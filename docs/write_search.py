@@ -54,10 +54,10 @@ def share(got, column):
     return f"{100 * values.mean():.0f} ({100 * low:.0f} … {100 * high:.0f})"
 
 
-def main_table(got):
+def main_table(got, arms=ARMS):
     """Tables 1 and 2, all families together."""
     lines = []
-    for arm in ARMS:
+    for arm in arms:
         grasps = np.concatenate([np.array(row) for row in got.rows.column(f"grasps_{arm}").to_pylist() if row] or [[]])
         lines.append([
             f"`{arm}`", share(got, f"found_{arm}"), pooled_quantiles(got, f"actions_{arm}"),
