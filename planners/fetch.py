@@ -18,9 +18,10 @@ from planners.drive_around import Approach, DriveAround
 from planners.final_stops import FinalStops
 from planners.guided_drive import GuidedDrive, whole
 from planners.hand_over import hand_over
+from planners.looks import Look, agreeing, surest
 from planners.near_antenna import NearAntenna
 from planners.time_account import TimeAccount, TimeSpent
-from planners.worth_driving import LOST_M, doubt_m
+from planners.worth_driving import doubt_m
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import NoAnswer, OutOfReach, RobotLinkError, TagNeverHeard, TooFewReads
 from rfcompass.geometry.pose2 import Pose2
@@ -142,6 +143,7 @@ class Fetch:
     _time: TimeAccount = field(init=False, default_factory=TimeAccount)
     _observations: list[Observation] = field(init=False, default_factory=list)
     _joints: FloatArray = field(init=False)
+    _doubts: bool = field(init=False, default=True)
 
     def steps(self) -> Iterator[FetchStep]:
         """Do the whole job, stop by stop.
@@ -328,22 +330,22 @@ class Fetch:
 
     def _found(self, phase: str) -> FetchStep:
         """Scan until there is an answer to act on, from wherever the antenna can hear; else the surest of all looks."""
-        looks = list[tuple[FetchStep, list[Observation]]]()
-        while True:
+        looks, believed = list[Look](), tuple[Look, ...]()
+        while not believed:
             answer = self._answered(phase)
             if isinstance(answer, FetchStep):
-                looks.append((answer, list(self._observations)))
-                if answer.doubt_m <= LOST_M:
-                    break
-            if not self._looks_from_elsewhere():
+                looks.append(Look(answer, tuple(self._observations)))
+                believed = agreeing(looks) if self._doubts else tuple(look for look in looks[-1:] if look.is_sure)
+            if not believed and not self._looks_from_elsewhere():
                 break
         if isinstance(answer, NoAnswer) and not looks:
             raise answer
-        surest, self._observations = min(reversed(looks), key=lambda look: look[0].doubt_m)
-        surest = replace(surest, spent=sum((look.spent for look, _ in looks), TimeSpent()))
-        if self.antenna is not None and surest.doubt_m <= LOST_M:
+        best = surest(believed or looks)
+        self._observations = [stop for look in believed or (best,) for stop in look.observations]
+        self._doubts = self._doubts and not believed
+        if self.antenna is not None and best.is_sure:
             self.antenna.found()
-        return surest
+        return replace(best.step, spent=sum((look.step.spent for look in looks), TimeSpent()))
 
     def _answered(self, phase: str) -> FetchStep | NoAnswer:
         """Scan once."""
