@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planners.fetch import HAND_POINT_M
+from planners.fetch_rules import HAND_POINT_M
 from rfcompass.errors import InputError
 from rfcompass.geometry.pose2 import Pose2
 from rfcompass.recordings import PartDatabase

@@ -8,7 +8,8 @@ import numpy as np
 
 from planners.antenna_track import NearTrack
 from planners.drive_around import DriveAround
-from planners.fetch import Fetch, FetchRules, FetchStep
+from planners.fetch import Fetch, FetchStep
+from planners.fetch_rules import FetchRules
 from planners.final_stops import FinalStops
 from planners.grasp import GraspPlanner
 from planners.hand_stops import HandStops

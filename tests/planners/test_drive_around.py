@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from planners.drive_around import Approach, DriveAround
-from planners.fetch import Fetch, FetchRules
+from planners.fetch import Fetch
+from planners.fetch_rules import FetchRules
 from planners.map_pose import KnownStart, RadioPose
 from planners.motion_check import MotionChecker
 from planners.path_search import SearchRules

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planners.fetch import Fetch, FetchRules
+from planners.fetch import Fetch
+from planners.fetch_rules import FetchRules
 from rfcompass.errors import Infeasible, OutOfReach
 from rfcompass.geometry import Pose2
 from rfcompass.interfaces import MobileManipulator, Scanner
