@@ -11,11 +11,13 @@ of tops are what proximity is made of, so the last bit is climbed in double prec
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from rfcompass.arrays import ComplexArray, FloatArray, IntArray
+from rfcompass.rf.slope_kernels import LegArrays, leg_power
 from rfcompass.types.volumes import SearchVolume
 
 NEWTON_STEPS = 40
@@ -57,21 +59,18 @@ class LegSlopes:
 
     def power(self, point_m: FloatArray) -> Slopes:
         """Share B of the power of perfect agreement, with its derivatives."""
-        d, g, H = _round_trip(point_m, self.rx_m, self.tx_m)
-        gg = g[:, :, None] * g[:, None, :]
-        value, gradient, hessian = 0.0, np.zeros(3), np.zeros((3, 3))
-        for rows in self.runs:
-            w = self.h[rows] * np.exp(1j * np.outer(d[rows], self.k))
-            A, first = w.sum(axis=0), 1j * self.k[:, None] * (w.T @ g[rows])
-            bend, turn = w.T @ H[rows].reshape(-1, 9), w.T @ gg[rows].reshape(-1, 9)
-            second = (1j * self.k[:, None] * bend - self.k[:, None] ** 2 * turn).reshape(-1, 3, 3)
-            if self.coherent:
-                A, first, second = A.sum(keepdims=True), first.sum(axis=0)[None], second.sum(axis=0)[None]
-            value += float((np.abs(A) ** 2).sum())
-            gradient += 2.0 * (A.conj() @ first).real
-            outer = (first.conj()[:, :, None] * first[:, None, :]).sum(axis=0)
-            hessian += 2.0 * (outer + np.tensordot(A.conj(), second, axes=1)).real
+        value, gradient, hessian = leg_power(np.asarray(point_m, dtype=np.float64), self._arrays)
         return Slopes(value / self.norm, gradient / self.norm, hessian / self.norm)
+
+    @cached_property
+    def _arrays(self) -> LegArrays:
+        order = np.concatenate(self.runs)
+        tx_m = np.zeros((0, 3)) if self.tx_m is None else np.ascontiguousarray(self.tx_m[order])
+        ends = np.cumsum([len(rows) for rows in self.runs])
+        return LegArrays(
+            np.ascontiguousarray(self.rx_m[order]), tx_m, np.ascontiguousarray(self.h[order]),
+            np.ascontiguousarray(self.k), ends, self.coherent,
+        )  # fmt: skip
 
 
 def product_slopes(legs: Sequence[LegSlopes], point_m: FloatArray) -> Slopes:
@@ -139,21 +138,3 @@ def _uphill(
             return tried_m, there
         step_m = step_m / 2.0
     return None
-
-
-def _round_trip(
-    point_m: FloatArray, rx_m: FloatArray, tx_m: FloatArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Length antenna → point → antenna [m], shape (M,), with gradient (M, 3) and Hessian (M, 3, 3)."""
-    d, g, H = _distance(point_m, rx_m)
-    if tx_m is None:
-        return 2.0 * d, 2.0 * g, 2.0 * H
-    d_tx, g_tx, H_tx = _distance(point_m, tx_m)
-    return d + d_tx, g + g_tx, H + H_tx
-
-
-def _distance(point_m: FloatArray, antenna_m: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    away_m = point_m - antenna_m
-    r = np.maximum(np.linalg.norm(away_m, axis=1), 1e-9)
-    u = away_m / r[:, None]
-    return r, u, (np.eye(3) - u[:, :, None] * u[:, None, :]) / r[:, None, None]

@@ -50,8 +50,11 @@ class NearFieldImage:
 
     def power(self, points_m: FloatArray) -> FloatArray:
         """Π_l B_l(p) at each point [m], shape (P, 3), inside the volume; shape (P,)."""
-        shares = [leg.power(points_m) / norm for leg, norm in zip(self.legs, self.norms, strict=True)]
-        return np.asarray(np.prod(shares, axis=0))
+        power = self.legs[0].power(points_m) / self.norms[0]
+        for leg, norm in zip(self.legs[1:], self.norms[1:], strict=True):
+            power *= leg.power_inside(points_m)
+            power /= norm
+        return power
 
     def log_slopes(self, point_m: FloatArray) -> Slopes:
         """Σ_l log B_l at one point [m], shape (3,), with gradient and Hessian, in double precision."""
