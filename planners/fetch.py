@@ -19,7 +19,7 @@ from planners.fetch_rules import FetchRules
 from planners.final_stops import FinalStops
 from planners.guided_drive import GuidedDrive, whole
 from planners.hand_over import hand_over
-from planners.looks import Look, agreeing, surest
+from planners.looks import Look, confirmed, surest
 from planners.near_antenna import NearAntenna
 from planners.time_account import TimeAccount, TimeSpent
 from planners.worth_driving import doubt_m
@@ -293,19 +293,19 @@ class Fetch:
 
     def _found(self, phase: str) -> FetchStep:
         """Scan until there is an answer to act on, from wherever the antenna can hear; else the surest of all looks."""
-        looks, believed = list[Look](), tuple[Look, ...]()
-        while not believed:
+        looks, believed = list[Look](), None
+        while believed is None:
             answer = self._answered(phase)
             if isinstance(answer, FetchStep):
                 looks.append(Look(answer, tuple(self._observations)))
-                believed = agreeing(looks) if self._doubts else tuple(look for look in looks[-1:] if look.is_sure)
-            if not believed and not self._looks_from_elsewhere():
+                believed = confirmed(looks) if self._doubts else looks[-1] if looks[-1].is_sure else None
+            if believed is None and not self._looks_from_elsewhere():
                 break
         if isinstance(answer, NoAnswer) and not looks:
             raise answer
-        best = surest(believed or looks)
-        self._observations = [stop for look in believed or (best,) for stop in look.observations]
-        self._doubts = self._doubts and not believed
+        best = believed or surest(looks)
+        self._observations = list(best.observations)
+        self._doubts = self._doubts and believed is None
         if self.antenna is not None and best.is_sure:
             self.antenna.found()
         return replace(best.step, spent=sum((look.step.spent for look in looks), TimeSpent()))

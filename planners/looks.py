@@ -43,15 +43,18 @@ def surest(looks: Sequence[Look]) -> Look:
     return min(reversed(looks), key=lambda look: look.step.doubt_m)
 
 
-def agreeing(looks: Sequence[Look]) -> tuple[Look, ...]:
-    """The newest look with the surest earlier one that means the same place; empty if it is not sure, or alone.
+def confirmed(looks: Sequence[Look]) -> Look | None:
+    """The surest of the newest look and the earlier ones that mean the same place; None if no two sure ones do.
+
+    One alone is believed, and the others are its witnesses: all that is heard along a track of the antenna shares its
+    errors, so that looks along several tracks contradict each other by more than a posterior of them all allows.
 
     Args:
         looks: All from one pose of the base, the newest last.
     """
     *earlier, newest = looks
     same = [look for look in earlier if look.is_sure and _apart_m(look, newest) <= AGREE_M]
-    return (surest(same), newest) if newest.is_sure and same else ()
+    return surest([*same, newest]) if newest.is_sure and same else None
 
 
 def _apart_m(one: Look, other: Look) -> float:

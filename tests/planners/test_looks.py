@@ -1,7 +1,6 @@
 """Of several looks at one stop those are believed of which two, both sure, mean the same place."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planners.fetch import Fetch
-from planners.looks import AGREE_M, Look, agreeing, surest
+from planners.looks import AGREE_M, Look, confirmed, surest
 from planners.worth_driving import LOST_M
 from rfcompass.geometry import Pose2
 from rfcompass.recordings import PartDatabase
@@ -34,39 +33,45 @@ def looks(*rows):
     return [Look(Step(x_m, doubt_m), ()) for x_m, doubt_m in rows]
 
 
+def apart_m(one, other):
+    return abs(one.step.estimate.centre_m[0] - other.step.estimate.centre_m[0])
+
+
 rows = st.lists(st.tuples(st.floats(-5.0, 5.0), st.floats(0.01, 2.0)), min_size=1, max_size=8)
 
 
 @given(rows)
-def test_who_is_believed_agrees_and_is_sure(told):
-    all_looks = looks(*told)
-    for one, other in pairwise(agreeing(all_looks)):
-        assert other is all_looks[-1]
-        assert one.is_sure
-        assert other.is_sure
-        assert abs(one.step.estimate.centre_m[0] - other.step.estimate.centre_m[0]) <= AGREE_M
+def test_who_is_believed_has_a_sure_witness_and_is_the_surer_of_the_two(told):
+    *earlier, newest = all_looks = looks(*told)
+    believed = confirmed(all_looks)
+    witnesses = [look for look in earlier if look.is_sure and apart_m(look, newest) <= AGREE_M]
+    if not (newest.is_sure and witnesses):
+        assert believed is None
+        return
+    assert believed in (newest, *witnesses)
+    assert believed.step.doubt_m == min(look.step.doubt_m for look in (newest, *witnesses))
 
 
 @given(rows)
-def test_nobody_is_believed_alone_and_nobody_is_surer_than_the_surest(told):
-    all_looks = looks(*told)
-    assert len(agreeing(all_looks)) in (0, 2)
-    assert surest(all_looks).step.doubt_m == min(doubt_m for _, doubt_m in told)
+def test_nobody_is_surer_than_the_surest(told):
+    assert surest(looks(*told)).step.doubt_m == min(doubt_m for _, doubt_m in told)
 
 
 @pytest.mark.parametrize(
     ("told", "believed"),
     [
-        ([(0.0, SURE_M)], 0),
-        ([(0.0, SURE_M), (0.9 * AGREE_M, SURE_M)], 2),
-        ([(0.0, SURE_M), (1.1 * AGREE_M, SURE_M)], 0),
-        ([(0.0, SURE_M), (0.0, UNSURE_M)], 0),
-        ([(0.0, UNSURE_M), (0.0, SURE_M)], 0),
-        ([(3.0, SURE_M), (0.0, SURE_M), (3.1, SURE_M)], 2),
+        ([(0.0, SURE_M)], None),
+        ([(0.0, SURE_M), (0.9 * AGREE_M, SURE_M)], 1),
+        ([(0.0, 0.5 * SURE_M), (0.9 * AGREE_M, SURE_M)], 0),
+        ([(0.0, SURE_M), (1.1 * AGREE_M, SURE_M)], None),
+        ([(0.0, SURE_M), (0.0, UNSURE_M)], None),
+        ([(0.0, UNSURE_M), (0.0, SURE_M)], None),
+        ([(3.0, SURE_M), (0.0, 0.5 * SURE_M), (3.1, SURE_M)], 2),
     ],
 )
-def test_two_sure_looks_within_half_a_metre_are_believed(told, believed):
-    assert len(agreeing(looks(*told))) == believed
+def test_the_surer_of_two_sure_looks_within_half_a_metre_is_believed(told, believed):
+    all_looks = looks(*told)
+    assert confirmed(all_looks) is (None if believed is None else all_looks[believed])
 
 
 class Carrier:
@@ -116,7 +121,7 @@ def test_an_echo_that_no_other_look_hears_is_not_driven_to():
     (first, *_), seer = stops_of(5, 1.5)
     assert first.estimate.centre_m[1] == pytest.approx(0.0)
     assert seer.asked[:3] == [[0], [1], [2]]
-    assert seer.asked[3] == [1, 2, 3]  # after the drive both that agreed are remembered, and the echo is not
+    assert seer.asked[3] == [2, 3]  # after the drive the believed one is remembered, not its witness, nor the echo
 
 
 def test_only_the_first_drive_waits_for_a_second_look():
