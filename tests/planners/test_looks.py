@@ -1,4 +1,4 @@
-"""Of several looks at one stop those are believed of which two, both sure, mean the same place."""
+"""Of several looks at one stop the surer of two is believed that, both sure, mean the same place."""
 
 from dataclasses import replace
 
