@@ -4,19 +4,18 @@ Along the joint-space line q(t) = q0 + t (q1 - q0) no point of solid i can move 
 
     v_ij = Σ_k |Δq_k| R_ki + Σ_l |Δq_l| R_lj  [m per unit of t],
 
-k over the joints that move i but not j, l over those that move j but not i. R_ki is the longest distance that a point
-of solid i can have from the origin of joint k (1 for a sliding joint). With the distances d_ij at t, nothing can touch
-before t + min d_ij / v_ij: the next place to look at is half as far away. Between two such places, s apart, a pair
-cannot come nearer than (d_ij + d'_ij - v_ij s) / 2.
+k over the joints that move i but not j, l over those that move j but not i, and R the reaches of `approach_bounds`.
+With the distances d_ij at t, nothing can touch before t + min d_ij / v_ij: the next place to look at is half as far
+away. Between two such places, s apart, a pair cannot come nearer than (d_ij + d'_ij - v_ij s) / 2.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
+from planners.approach_bounds import pair_reaches
 from rfcompass.arrays import FloatArray
 from rfcompass.robots.quick_collisions import QuickCollisions
 from rfcompass.types.configuration import Configuration
@@ -64,7 +63,7 @@ class MotionChecker:
 
     def __post_init__(self) -> None:
         """Bound how fast each pair can approach."""
-        self._reach_m = _pair_reaches(self.checker)
+        self._reach_m = pair_reaches(self.checker)
 
     def check(self, start: Configuration, end: Configuration) -> MotionReport:
         """Check the straight line between two configurations, of base and joints together.
@@ -160,52 +159,3 @@ class _Walk:
         if distances_m[nearest] < self.worst_m:
             self.pair, self.worst_m, self.worst_at = nearest, float(distances_m[nearest]), t
         self.t, self._distances_m, self.checks = t, distances_m, self.checks + 1
-
-
-def _pair_reaches(checker: QuickCollisions) -> FloatArray:
-    """What each joint, then the turn and the travel of the base, can add to the approach of each pair, (P, J + 2)."""
-    model = checker.model
-    solids = [_solid_reaches(checker, i) for i in range(len(model.solids))]
-    still = np.zeros_like(solids[0]) if solids else np.zeros(2)
-    rows = []
-    for i, j in checker.pair_solids:
-        first, second = solids[i], still if j is None else solids[j]
-        common = (first > 0) & (second > 0)
-        rows.append(np.where(common, 0.0, first + second))
-    return np.array(rows).reshape(len(rows), -1)
-
-
-def _solid_reaches(checker: QuickCollisions, i: int) -> FloatArray:
-    """How far a unit of each joint, of a turn and of a travel of the base can move any point of a solid, (J + 2)."""
-    model = checker.model
-    pin_model, joint = model.robot.kinematics.model, model.joints_of_solids[i]
-    reaches = np.zeros(pin_model.njoints - 1 + 2)
-    if joint < 0:
-        return reaches
-    reach_m = _radius_m(checker, i)
-    while joint > 0:
-        slides = _slides(pin_model, joint)
-        reaches[joint - 1] = 1.0 if slides else reach_m
-        reach_m += float(np.linalg.norm(pin_model.jointPlacements[joint].translation))
-        reach_m += _longest_slide(pin_model, joint) if slides else 0.0
-        joint = pin_model.parents[joint]
-    root_m = float(np.linalg.norm(model.robot.kinematics.T_base_root.translation))
-    reaches[-2:] = reach_m + root_m, 1.0
-    return reaches
-
-
-def _radius_m(checker: QuickCollisions, i: int) -> float:
-    """Longest distance of a point of a solid from the origin of the joint that moves it [m]."""
-    solid, frame = checker.model.solids[i], checker.frame_of(i)
-    centre = frame.act(solid.T_carrier_box[:3, 3])
-    return float(np.linalg.norm(centre) + np.linalg.norm(solid.half_size_m))
-
-
-def _slides(pin_model: Any, joint: int) -> bool:  # noqa: ANN401 - pinocchio has no types
-    return "JointModelP" in pin_model.joints[joint].shortname()
-
-
-def _longest_slide(pin_model: Any, joint: int) -> float:  # noqa: ANN401
-    at = pin_model.joints[joint].idx_q
-    limits = pin_model.lowerPositionLimit[at], pin_model.upperPositionLimit[at]
-    return float(max(abs(limit) for limit in limits))

@@ -47,6 +47,8 @@ class QuickCollisions:
         self.pair_names = [(self._names[i], self._names[j]) for i, j in pairs]
         self.pair_solids = [(i, j if j < count else None) for i, j in pairs]
         self._still = [i for i, solid in enumerate(model.solids) if solid.carrier == WORLD]
+        # Kept, for making a Python object of each anew takes as long as computing the distances.
+        self._results = list(self._geometry_data.distanceResults)
         self._base = Pose2()
         self._plain = _is_plain(kinematics)
 
@@ -64,7 +66,7 @@ class QuickCollisions:
     def distances(self, configuration: Configuration) -> FloatArray:
         """Signed distance of each pair [m], in the order of `pair_names`, shape (P,)."""
         self._compute_distances(configuration)
-        return np.array([result.min_distance for result in self._geometry_data.distanceResults])
+        return np.array([result.min_distance for result in self._results])
 
     def frame_of(self, i: int) -> "pin.SE3":
         """Pose of the frame of a solid's carrier in the joint that moves it."""
