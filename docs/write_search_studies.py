@@ -51,7 +51,7 @@ def differences(got, pairs):
 
 def levels(got):
     """Fig. 9a."""
-    return by_part(parts(got, "family"), BY_LEVEL, LEVEL_PAIRS)
+    return f"{by_part(parts(got, 'family'), BY_LEVEL, LEVEL_PAIRS)}\n\n{differences(got, LEVEL_PAIRS)}"
 
 
 def classes(got):

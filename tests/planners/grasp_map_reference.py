@@ -117,7 +117,7 @@ def pinching(heights, point, angle):
 
 
 def best(heights, point, quality):
-    """Log-odds, angle, width, depth and kind of the best grasp at a point; None if there is none."""
+    """Log-odds, angle, width, depth and kind of the best grasps at a point, more than one where equally good."""
     found = []
     for angle in np.arange(quality.angles) * np.pi / quality.angles:
         numbers = pinching(heights, point, angle)
@@ -129,4 +129,4 @@ def best(heights, point, quality):
             if closed is not None:
                 log_odds = closed[1] @ quality.closing[:-1] + quality.closing[-1]
                 found.append((log_odds, angle, closed[0], depth, 1))
-    return max(found, key=lambda grasp: grasp[0]) if found else None
+    return [grasp for grasp in found if grasp[0] > max(row[0] for row in found) - 1e-9]
