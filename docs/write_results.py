@@ -424,6 +424,8 @@ def headlines(runs):
          "`map-quality`"],
         ["searches that find the hidden thing; mean actions, 16 where not: FuseBot, 8 tags; X-Ray; ours, 8 tags",
          searched(Results(runs, "searches")), "95 / 84 %, measured; means not printed", "simulated", "`searches`"],
+        ["the same in two or three piles of 20 to 42 things", searched(Results(runs, "search-levels")),
+         "means not printed", "simulated", "`search-levels`"],
         ["tag from a rail of 1 m, in the plane, D1test / D2 / D4",
          " / ".join(survey.own(f, "hyperbolic", "plane_error_m", "median") for f in ("D1test", "D2", "D4")) + " cm",
          "–", "measured", "`measured-survey`"],
