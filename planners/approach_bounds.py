@@ -3,8 +3,8 @@
 The reach R_k of a joint k for a pair of solids is the longest distance that a point of the one that it moves against
 the other can have from the joint's origin (1 for a sliding joint): turned by dq, the pair's distance changes by R_k dq
 at most. What moves both does not change it, nor what turns a solid of revolution about its own axis, nor what moves
-a solid level over the floor: there R_k is 0. Else the 2.5 mm of air between
-the pedestal and the upper arm of a UR5e, which never change, would have every motion checked in steps of a millimetre.
+a solid level over the floor: there R_k is 0. Else the 2.5 mm of air between the pedestal and the upper arm of a UR5e,
+which never change, would have every motion checked in steps of a millimetre.
 """
 
 from typing import Any
