@@ -10,7 +10,7 @@ ours; both sides segment alike. Of the 46 things that are drawn, some are buried
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -170,9 +170,7 @@ class Scene:
 
     def decide_with_grasps(self) -> float:
         """The same, and the grasps of the view are found too."""
-        grasps = AntipodalQuality().quality(self.view)
-        grid, masks = posterior_map(self.before.with_views([self.view]), TARGET), DepthSegmenter().segment(self.view)
-        return FewestActionsPolicy(target_m=TARGET.size_m).choose(grid, self.view, masks, grasps).score
+        return replace(self, grasps=AntipodalQuality().quality(self.view)).decide_by_posterior()
 
     def decide_in_numpy(self) -> float:
         """The paper's decision by the peer."""

@@ -31,7 +31,7 @@ def pair_reaches(checker: QuickCollisions) -> FloatArray:
             continue
         same = ((reaches[i] > 0) & (reaches[j] > 0)) | turned[i] | turned[j]
         rows.append(np.where(same, 0.0, reaches[i] + reaches[j]))
-    return np.array(rows).reshape(len(rows), -1)
+    return np.array(rows).reshape(-1, len(level))
 
 
 def _level(checker: QuickCollisions) -> BoolArray:

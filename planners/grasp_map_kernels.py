@@ -26,7 +26,6 @@ from planners.grasp_number_kernels import (
     look_around,
     may_close,
     pinching_numbers,
-    ray_steps,
     take_lines,
 )
 from rfcompass.arrays import BoolArray, FloatArray, IntArray
@@ -68,18 +67,14 @@ def rate_pixels(points: FloatArray, wanted: BoolArray, grid: Grid, claw: Claw, t
     """
     profile, around = np.empty((2, LINES, STEPS)), np.empty(4)
     rays, numbers, falls = np.empty((2, RAYS)), np.zeros(len(CLOSING)), np.empty((2, LINES), np.int64)
-    # Once for all pixels: sines and cosines took a tenth of the time.
-    steps, turns = ray_steps(), np.empty((len(tries.angles), 2))
-    for n, angle in enumerate(tries.angles):
-        turns[n, 0], turns[n, 1] = np.cos(angle), np.sin(angle)
     for v in range(points.shape[0]):
         for u in range(points.shape[1]):
             if not wanted[v, u]:
                 continue
             rays[0, 0] = -1.0  # not followed yet
-            for n, angle in enumerate(tries.angles):
-                spot = Spot(points[v, u], turns[n, 0], turns[n, 1], profile, around, falls)
-                _try_spot(grid, spot, claw, tries, found, (v, u, angle), (steps, rays, numbers))
+            for angle in tries.angles:
+                spot = Spot(points[v, u], np.cos(angle), np.sin(angle), profile, around, falls)
+                _try_spot(grid, spot, claw, tries, found, (v, u, angle), (rays, numbers))
 
 
 @numba.njit(cache=True, inline="always")
@@ -90,16 +85,16 @@ def _try_spot(
     tries: Tries,
     found: Found,
     where: tuple[int, int, float],
-    scratch: tuple[FloatArray, FloatArray, FloatArray],
+    scratch: tuple[FloatArray, FloatArray],
 ) -> None:
     """Try everything at one place and angle; the middle line alone decides first whether that is worth while."""
-    steps, rays, numbers = scratch
+    rays, numbers = scratch
     take_lines(grid, spot, MIDDLE, MIDDLE + 1)
     closes, pinches = may_close(spot, claw, tries.depths), is_even(spot, MIDDLE, MIDDLE + 1)
     if not (closes or pinches):
         return
     if rays[0, 0] < 0.0:
-        follow_surface(grid, spot.point, steps, rays)
+        follow_surface(grid, spot.point, rays)
     take_lines(grid, spot, 0, LINES)
     look_around(spot, rays)
     if pinches:

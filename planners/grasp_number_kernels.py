@@ -335,20 +335,11 @@ def _tilt(spot: Spot) -> float:
 
 
 @numba.njit(cache=True)
-def ray_steps() -> FloatArray:
-    """One step in each direction [m], shape (16, 2)."""
-    steps = np.empty((RAYS, 2))
-    for n in range(RAYS):
-        angle = 2 * np.pi * n / RAYS
-        steps[n, 0], steps[n, 1] = _RAY_M * np.cos(angle), _RAY_M * np.sin(angle)
-    return steps
-
-
-@numba.njit(cache=True)
-def follow_surface(grid: Grid, point: FloatArray, steps: FloatArray, rays: FloatArray) -> None:
+def follow_surface(grid: Grid, point: FloatArray, rays: FloatArray) -> None:
     """How far the surface goes in each direction [m], and 1 where something rises at its end, shape (2, 16)."""
     for n in range(RAYS):
-        dx, dy, here = steps[n, 0], steps[n, 1], point[2]
+        angle = 2 * np.pi * n / RAYS
+        dx, dy, here = _RAY_M * np.cos(angle), _RAY_M * np.sin(angle), point[2]
         rays[0, n], rays[1, n] = _RAY_STEPS * _RAY_M, 0.0
         for k in range(1, _RAY_STEPS + 1):
             height = _height(grid, point[0] + dx * k, point[1] + dy * k)

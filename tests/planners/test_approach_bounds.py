@@ -1,5 +1,7 @@
 """No pair approaches faster than its reach allows, and what turns about its own axis does not count as moving."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from collision_scenes import ROBOT as YOUBOT
@@ -80,6 +82,14 @@ def test_travel_and_turns_about_the_vertical_change_nothing_over_the_floor():
     assert not np.array(rows)[:, -2:].any()
     assert not np.array(rows)[:, 0].any()  # arm_joint_1 turns about the vertical
     assert np.array(rows)[:, 1].any()
+
+
+def test_where_no_pair_is_looked_at_every_motion_is_free():
+    allowed = combinations(UR5E.kinematics.link_names, 2)
+    checker = QuickCollisions(CollisionModel(UR5E, World(floor_m=None), allowed=allowed))
+    assert pair_reaches(checker).shape == (0, len(UR5E.joint_names) + 2)
+    start = UR5E.posture("scan")
+    assert MotionChecker(checker).check(start, Configuration(start.joints + 1.0)).free
 
 
 def test_a_cylinder_is_round_about_its_own_axis_alone():
