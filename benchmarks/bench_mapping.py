@@ -14,6 +14,7 @@ from scipy.signal import fftconvolve
 
 from benchmarks.timing import Timing, best_of, show
 from rfcompass.mapping import VisualMap, fuse_maps, gaussian_target, map_views, occupancy_map, rf_certainty_map
+from rfcompass.mapping.box_kernels import box_kernels, convolve_boxes
 from rfcompass.mapping.view_kernels import FREE, OUTSIDE, SURFACE, UNOBSERVED
 from rfcompass.types import DepthView, LocatedItem, TagFix, Workspace
 
@@ -116,10 +117,22 @@ def grid_timings(spacing_m: float, shape: tuple[int, int], repeats: int) -> list
     ]  # fmt: skip
 
 
+def box_timing(repeats: int, shape: tuple[int, int, int] = (100, 73, 27)) -> Timing:
+    """Time all orientations of a box over a block of voxels, as the posterior map sums them."""
+    values = np.random.default_rng(0).uniform(0.0, 12.0, shape)
+    kernels = box_kernels(np.array([0.08, 0.05, 0.035]), 0.01, 4)
+    ours_s, ours = best_of(repeats, lambda: np.stack(list(convolve_boxes(values, kernels))))
+    shares = [kernel.values for kernel in kernels]
+    peer_s, peer = best_of(2, lambda: np.stack([fftconvolve(values, share, mode="same") for share in shares]))
+    name = f"{len(kernels)} boxes, {' x '.join(map(str, shape))} voxels"
+    return Timing(name, ours_s, "scipy fftconvolve", peer_s, differ(ours, peer))
+
+
 def run(fast: bool = False) -> list[Timing]:
     """Time both sizes of voxels."""
-    sizes = (0.01,) if fast else (0.01, 0.005)
-    timings = [row for spacing_m in sizes for row in grid_timings(spacing_m, (240, 320), 2 if fast else 7)]
+    sizes, repeats = (0.01,) if fast else (0.01, 0.005), 2 if fast else 7
+    timings = [row for spacing_m in sizes for row in grid_timings(spacing_m, (240, 320), repeats)]
+    timings.append(box_timing(repeats))
     peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
     print(f"largest memory of the process, with the peers: {peak_mb:.0f} MB", file=sys.stderr)
     return timings

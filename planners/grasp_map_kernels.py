@@ -15,15 +15,12 @@ from planners.grasp_number_kernels import (
     MIDDLE,
     PINCH_DEPTH_M,
     PINCH_WIDTH_M,
-    RAYS,
     STEPS,
     Claw,
     Grid,
     Spot,
     closing_numbers,
-    follow_surface,
     is_even,
-    look_around,
     may_close,
     pinching_numbers,
     take_lines,
@@ -66,15 +63,16 @@ def rate_pixels(points: FloatArray, wanted: BoolArray, grid: Grid, claw: Claw, t
         found: Where to write; log-odds begin at minus infinity, kinds at 0.
     """
     profile, around = np.empty((2, LINES, STEPS)), np.empty(4)
-    rays, numbers, falls = np.empty((2, RAYS)), np.zeros(len(CLOSING)), np.empty((2, LINES), np.int64)
+    numbers, falls = np.zeros(len(CLOSING)), np.empty((2, LINES), np.int64)
     for v in range(points.shape[0]):
         for u in range(points.shape[1]):
             if not wanted[v, u]:
                 continue
-            rays[0, 0] = -1.0  # not followed yet
+            around[0] = np.nan  # the same at all angles
             for angle in tries.angles:
+                around[3] = np.nan
                 spot = Spot(points[v, u], np.cos(angle), np.sin(angle), profile, around, falls)
-                _try_spot(grid, spot, claw, tries, found, (v, u, angle), (rays, numbers))
+                _try_spot(grid, spot, claw, tries, found, (v, u, angle), numbers)
 
 
 @numba.njit(cache=True, inline="always")
@@ -85,18 +83,15 @@ def _try_spot(
     tries: Tries,
     found: Found,
     where: tuple[int, int, float],
-    scratch: tuple[FloatArray, FloatArray],
+    numbers: FloatArray,
 ) -> None:
     """Try everything at one place and angle; the middle line alone decides first whether that is worth while."""
-    rays, numbers = scratch
     take_lines(grid, spot, MIDDLE, MIDDLE + 1)
     closes, pinches = may_close(spot, claw, tries.depths), is_even(spot, MIDDLE, MIDDLE + 1)
     if not (closes or pinches):
         return
-    if rays[0, 0] < 0.0:
-        follow_surface(grid, spot.point, rays)
-    take_lines(grid, spot, 0, LINES)
-    look_around(spot, rays)
+    take_lines(grid, spot, 0, MIDDLE)
+    take_lines(grid, spot, MIDDLE + 1, LINES)
     if pinches:
         _try_pinch(grid, spot, claw, tries, found, where, numbers)
     if closes:

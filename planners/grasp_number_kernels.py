@@ -41,7 +41,7 @@ _BURIED_M = -0.015
 # Ours: a palm that would be so far in what is seen under it is stopped there; in room under it, of 10 mm.
 _PALM_STOPS = -0.5
 # A rise or fall that ends a surface, over which way, how far it is followed [m, m, steps], and in how many directions.
-_JUMP_M, _RAY_M, _RAY_STEPS, RAYS = 0.008, 0.004, 30, 16
+_JUMP_M, _RAY_M, _RAY_STEPS, _RAYS = 0.008, 0.004, 30, 16
 # A pinch: jaws as for something so wide, tips so far below the surface, how uneven it may be [m]; the tips are
 # between these steps to either side.
 PINCH_WIDTH_M, PINCH_DEPTH_M, _UNEVEN_M, _PINCH_INNER, _PINCH_STEPS = 0.010, 0.006, 0.012, 6, 11
@@ -80,8 +80,9 @@ class Spot(NamedTuple):
     """One place and angle.
 
     The point [m], cosine and sine of the angle; heights to both sides [m], shape (2, lines, steps). Around it, shape
-    (4,): share of directions that end in a rise, longest and shortest chord, highest thing under the palm [m]. And at
-    which step each line falls to the tips, shape (2, lines).
+    (4,): share of directions that end in a rise, longest and shortest chord, highest thing under the palm [m]; the
+    first and the last are NaN until they are asked for. And at which step each line falls to the tips, shape
+    (2, lines).
     """
 
     point: FloatArray
@@ -188,6 +189,7 @@ def closing_numbers(grid: Grid, spot: Spot, depth: float, claw: Claw, numbers: F
     numbers[4] = min(steep_l, steep_r, 0.01) / 0.01
     numbers[5], numbers[6] = width / claw.opening, abs(left - right) / 2 / 0.01
     numbers[7] = max(_unseen(grid, spot, 0, half, claw), _unseen(grid, spot, 1, half, claw))
+    _look_around(grid, spot)
     numbers[8], numbers[9] = spot.around[0], palm
     return float(width)
 
@@ -316,6 +318,7 @@ def pinching_numbers(grid: Grid, spot: Spot, claw: Claw, numbers: FloatArray) ->
     palm = _palm_room(grid, spot.point[2] - PINCH_DEPTH_M, spot, claw)
     if palm <= _PALM_STOPS:
         return False
+    _look_around(grid, spot)
     numbers[:] = 0.0
     numbers[0], numbers[1] = uneven / 0.01, _tilt(spot) / 0.01
     numbers[2], numbers[3], numbers[4] = spot.around[1] / 0.2, spot.around[2] / 0.15, spot.around[0]
@@ -335,26 +338,26 @@ def _tilt(spot: Spot) -> float:
 
 
 @numba.njit(cache=True)
-def follow_surface(grid: Grid, point: FloatArray, rays: FloatArray) -> None:
-    """How far the surface goes in each direction [m], and 1 where something rises at its end, shape (2, 16)."""
-    for n in range(RAYS):
-        angle = 2 * np.pi * n / RAYS
-        dx, dy, here = _RAY_M * np.cos(angle), _RAY_M * np.sin(angle), point[2]
-        rays[0, n], rays[1, n] = _RAY_STEPS * _RAY_M, 0.0
-        for k in range(1, _RAY_STEPS + 1):
-            height = _height(grid, point[0] + dx * k, point[1] + dy * k)
-            if abs(height - here) > _JUMP_M:
-                rays[0, n], rays[1, n] = (k - 0.5) * _RAY_M, 1.0 if height > here else 0.0
-                break
-            here = height
+def _look_around(grid: Grid, spot: Spot) -> None:
+    """Follow the surface in all directions, unless that was done for the same point; sum up where it ends."""
+    around, half = spot.around, _RAYS // 2
+    if not np.isnan(around[0]):
+        return
+    around[0], around[1], around[2] = 0.0, 0.0, np.inf
+    for n in range(half):
+        ahead, rises_ahead = _follow_surface(grid, spot.point, 2 * np.pi * n / _RAYS)
+        behind, rises_behind = _follow_surface(grid, spot.point, 2 * np.pi * (n + half) / _RAYS)
+        around[1], around[2] = max(around[1], ahead + behind), min(around[2], ahead + behind)
+        around[0] += (rises_ahead + rises_behind) / _RAYS
 
 
 @numba.njit(cache=True)
-def look_around(spot: Spot, rays: FloatArray) -> None:
-    """Sum up the directions; what is under the palm is looked for when it is asked for."""
-    around, half = spot.around, RAYS // 2
-    around[0], around[1], around[2], around[3] = 0.0, 0.0, np.inf, np.nan
-    for n in range(half):
-        chord = rays[0, n] + rays[0, n + half]
-        around[1], around[2] = max(around[1], chord), min(around[2], chord)
-        around[0] += (rays[1, n] + rays[1, n + half]) / RAYS
+def _follow_surface(grid: Grid, point: FloatArray, angle: float) -> tuple[float, float]:
+    """How far the surface goes in a direction [m], and 1 where something rises at its end."""
+    dx, dy, here = _RAY_M * np.cos(angle), _RAY_M * np.sin(angle), point[2]
+    for k in range(1, _RAY_STEPS + 1):
+        height = _height(grid, point[0] + dx * k, point[1] + dy * k)
+        if abs(height - here) > _JUMP_M:
+            return (k - 0.5) * _RAY_M, 1.0 if height > here else 0.0
+        here = height
+    return _RAY_STEPS * _RAY_M, 0.0

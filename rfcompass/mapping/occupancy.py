@@ -1,7 +1,5 @@
 """From the two maps to where the target can be [Boroushaki2023], sections 4.3 and 4.4."""
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 from scipy import fft
 
@@ -75,22 +73,6 @@ def convolve_same(values: FloatArray, kernel: FloatArray) -> FloatArray:
     if values.min() >= 0 and kernel.min() >= 0:
         np.maximum(out, 0.0, out=out)  # rounding of the FFT
     return out
-
-
-def convolve_each(values: FloatArray, kernels: Sequence[FloatArray]) -> Iterator[FloatArray]:
-    """Convolve with several kernels, one after the other, as `convolve_same` does, with one spectrum of the values.
-
-    Args:
-        values: Shape (X, Y, Z).
-        kernels: Each odd along every axis.
-    """
-    largest = np.max([kernel.shape for kernel in kernels], axis=0)
-    sizes = [fft.next_fast_len(int(a + b - 1), real=True) for a, b in zip(values.shape, largest, strict=True)]
-    spectrum = fft.rfftn(values.astype(np.float32), sizes)
-    for kernel in kernels:
-        spread = fft.irfftn(spectrum * fft.rfftn(kernel.astype(np.float32), sizes), sizes, overwrite_x=True)
-        half = np.array(kernel.shape) // 2
-        yield spread[tuple(slice(a, a + n) for a, n in zip(half, values.shape, strict=True))]
 
 
 def _full_convolution(part: FloatArray, kernel: FloatArray) -> FloatArray:

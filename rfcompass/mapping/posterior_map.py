@@ -24,9 +24,8 @@ from scipy import ndimage
 
 from rfcompass.arrays import BoolArray, FloatArray
 from rfcompass.errors import InputError, NothingHidden, TargetTooLarge
-from rfcompass.mapping.box_kernels import box_kernels
+from rfcompass.mapping.box_kernels import box_kernels, convolve_boxes
 from rfcompass.mapping.item_occupancy import items_occupancy
-from rfcompass.mapping.occupancy import convolve_each
 from rfcompass.mapping.view_kernels import FREE, OUTSIDE, SURFACE, UNOBSERVED, StateArray
 from rfcompass.mapping.visual_map import VisualMap
 from rfcompass.types.items import ItemSize
@@ -147,7 +146,7 @@ def _mass(gain: FloatArray, target: ItemSize, part: Workspace, rules: PosteriorR
     kernels = box_kernels(target.size_m, h, rules.yaws)
     heights_m = (np.arange(part.shape[2]) + 0.5) * h
     total = np.zeros(part.shape)
-    for kernel, inside in zip(kernels, convolve_each(gain, [kernel.values for kernel in kernels]), strict=True):
+    for kernel, inside in zip(kernels, convolve_boxes(gain, kernels), strict=True):
         lowest_m = heights_m - kernel.half_height_m
         # Half a voxel of the target may be in the table: that is what the grid can tell.
         stands = np.where(lowest_m > -0.6 * h, np.exp(-np.maximum(lowest_m, 0.0) / rules.height_m), 0.0)

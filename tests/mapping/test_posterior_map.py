@@ -6,10 +6,13 @@ import pickle
 import numpy as np
 import pytest
 from box_scenes import Block, looking_down, square_scan, views_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
 
 from rfcompass.errors import DuplicateEpc, InputError, NothingHidden, ShapeError, TargetTooLarge
 from rfcompass.mapping import PosteriorRules, map_views, posterior_map
-from rfcompass.mapping.box_kernels import box_kernels
+from rfcompass.mapping.box_kernels import box_kernels, convolve_boxes
 from rfcompass.mapping.posterior_map import thing_above
 from rfcompass.mapping.view_kernels import FREE, OUTSIDE, SURFACE, UNOBSERVED
 from rfcompass.types import ItemSize, TaggedItem, Workspace
@@ -153,6 +156,20 @@ def test_each_orientation_is_a_whole_box_about_its_middle(size_m):
         assert kernel.values.sum() == pytest.approx(1.0)
         assert kernel.values == pytest.approx(kernel.values[::-1, ::-1, ::-1], abs=0.01)
         assert min(abs(kernel.half_height_m - edge / 2) for edge in size_m) < 1e-9
+
+
+@settings(max_examples=25)
+@given(
+    size_m=st.lists(st.floats(0.01, 0.12), min_size=3, max_size=3),
+    shape=st.tuples(st.integers(1, 14), st.integers(1, 14), st.integers(1, 10)),
+    yaws=st.integers(1, 4),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_boxes_are_convolved_as_scipy_convolves_their_shares(size_m, shape, yaws, seed):
+    values = np.random.default_rng(seed).uniform(-5.0, 12.0, shape)
+    kernels = box_kernels(np.array(size_m), 0.01, yaws)
+    for kernel, fast in zip(kernels, convolve_boxes(values, kernels), strict=True):
+        assert fast == pytest.approx(ndimage.convolve(values, kernel.values, mode="constant"), abs=1e-4)
 
 
 def test_a_table_where_nothing_is_hidden_is_no_answer():
