@@ -103,8 +103,8 @@ def _try_pinch(
     grid: Grid, spot: Spot, claw: Claw, tries: Tries, found: Found, where: tuple[int, int, float], numbers: FloatArray
 ) -> None:
     """Try to pinch at one place and angle; keep it if it is better than what was found before."""
-    if pinching_numbers(grid, spot, claw, numbers):
-        depth = min(PINCH_DEPTH_M, spot.point[2] - claw.lowest)
+    depth = min(PINCH_DEPTH_M, spot.point[2] - claw.lowest)
+    if depth >= 0.0 and pinching_numbers(grid, spot, claw, numbers):
         _keep(found, where, (PINCH_WIDTH_M, depth, PINCHES), numbers, tries.pinching)
 
 

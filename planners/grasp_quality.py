@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from planners.grasp_map_kernels import Found, Tries, rate_pixels
-from planners.grasp_number_kernels import CLOSING, Claw, Grid
+from planners.grasp_number_kernels import CLOSING, PINCHING, REACH_M, Claw, Grid
 from planners.grasp_success import CLOSING_WEIGHTS, PINCHING_WEIGHTS, success_of
 from planners.height_map import height_map
 from rfcompass.arrays import BoolArray, FloatArray, IntArray
-from rfcompass.errors import InputError
+from rfcompass.errors import InputError, ShapeError
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, GraspMaps
 from rfcompass.types.record import Record
@@ -22,6 +22,8 @@ from rfcompass.types.record import Record
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JawSizes(Record):
     """Sizes of the hand of `urdf/ur5e_2f85.urdf` that count for a grasp from above [m].
+
+    Heights are looked at within 6 cm to each side: half the opening and a finger have to fit in.
 
     Attributes:
         opening_m: Furthest that the jaws open.
@@ -46,6 +48,9 @@ class JawSizes(Record):
         for name in self.__slots__:
             if not (np.isfinite(value := getattr(self, name)) and value > 0):
                 raise InputError(f"jaw sizes: {name} is {value!r}, no length", got=value)
+        if (reach_m := self.opening_m / 2 + self.thickness_m) > REACH_M:
+            message = f"jaw sizes: half the opening and a finger are {reach_m:.4f} m, more than {REACH_M} m"
+            raise InputError(message, got=reach_m, most=REACH_M)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +99,13 @@ class AntipodalQuality:
     cell_m: float = 0.0025
     closing: tuple[float, ...] = CLOSING_WEIGHTS
     pinching: tuple[float, ...] = PINCHING_WEIGHTS
+
+    def __post_init__(self) -> None:
+        """Check that each number has a weight."""
+        for name, numbers in (("closing", CLOSING), ("pinching", PINCHING)):
+            if len(weights := getattr(self, name)) != len(numbers) + 1:
+                message = f"AntipodalQuality.{name}: {len(weights)} weights, expected {len(numbers)} and the constant"
+                raise ShapeError(message, name=name, expected=len(numbers) + 1, got=len(weights))
 
     def quality(self, view: DepthView) -> GraspMaps:
         """Say how likely the best grasp at each pixel holds, and how the jaws would stand."""

@@ -10,16 +10,17 @@ The paper's Algorithm 1 is lost; this is rebuilt from its section 5:
 6. Go on at 2, until the target is in the drop zone, after 15 actions, or after 5 failed grasps in a row.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
 from planners.extraction import best_cluster
-from planners.search_method import NEAR_M, OVERHEAD, SearchMethod
-from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp
+from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
+from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp, without_near
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import InputError, NothingHidden, NothingToGrasp, OutOfReach
+from rfcompass.errors import CameraBlocked, InputError, NothingHidden, NothingToGrasp, OutOfReach
 from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
 from rfcompass.mapping import RED, ColourRule, VisualMap, find_visible_target, map_views
 from rfcompass.types import (
@@ -38,6 +39,7 @@ from rfcompass.types import (
 from rfcompass.types.epc import canonical_epc
 from rfcompass.types.record import Record
 from rfcompass.types.search import (
+    CAMERA_BLOCKED,
     FOUND,
     NOTHING_HIDDEN,
     NOTHING_TO_GRASP,
@@ -48,6 +50,9 @@ from rfcompass.types.search import (
 
 # Ours: a tag so near to a grasp may have moved, and is taken from where it is heard next [m].
 _MOVED_M = 0.15
+# Ours: how often another grasp is chosen because the arm cannot go there.
+_MOST_ELSEWHERE = 8
+Choice = TypeVar("Choice", ChosenGrasp, ChosenGrasp | None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,6 +125,8 @@ class PileSearch:
             return self._ended(NOTHING_TO_GRASP, str(nothing))
         except OutOfReach as reason:
             return self._ended(OUT_OF_REACH, str(reason))
+        except CameraBlocked as blind:
+            return self._ended(CAMERA_BLOCKED, str(blind))
         if self._failures >= self.rules.most_failures:
             return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
         return self._ended(TOO_MANY_ACTIONS, f"the target was not found in {len(self._done)} actions")
@@ -131,6 +138,7 @@ class PileSearch:
             NothingHidden: If nothing is hidden and no target in sight.
             NothingToGrasp: If there is nothing left that could be taken.
             OutOfReach: If the arm cannot look where it should.
+            CameraBlocked: If an image shows nothing.
         """
         self._scan()
         while len(self._done) < self.rules.most_actions and self._failures < self.rules.most_failures:
@@ -177,17 +185,45 @@ class PileSearch:
             return None
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         table_m = self.workspace.table_m
-        chosen = grasp_target(view, found.pixels, masks, grasps, self._tried_m, table_m)
+        tried_m = self._tried_m
+        chosen = self._within_reach(
+            view, grasps, lambda maps: grasp_target(view, found.pixels, masks, maps, tried_m, table_m)
+        )
         return self._act(view, masks, None, self._surer(chosen, view, masks, grasps) or chosen)
 
     def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:
         """Take off what the policy chooses."""
-        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        failed = self._failed_m if self.method.remembers else ()
-        action = self.method.policy.choose(grid, view, masks, grasps, failed)
+        try:
+            masks, action = self._choose(view, grid)
+        except NothingToGrasp:
+            if self.method.looks == OVERHEAD:
+                raise
+            # What is above the cluster is flat, or gone: the rest of the table may still hold something.
+            view = self._overhead()
+            masks, action = self._choose(view, grid)
         if not self.method.looks_closer:
             return self._act(view, masks, grid, ChosenGrasp(action))
         return self._closer_step(view, masks, grid, action)
+
+    def _choose(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ExtractionAction]:
+        """Objects in a view, and the removal that the policy chooses."""
+        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
+        failed = self._failed_m if self.method.remembers else ()
+        policy = self.method.policy
+        chosen = self._within_reach(
+            view, grasps, lambda maps: ChosenGrasp(policy.choose(grid, view, masks, maps, failed))
+        )
+        return masks, chosen.action
+
+    def _within_reach(self, view: DepthView, grasps: GraspMaps, choose: Callable[[GraspMaps], Choice]) -> Choice:
+        """Choose a grasp; as long as the arm cannot go there, another without those about it, a few times."""
+        chosen = choose(grasps)
+        for _ in range(_MOST_ELSEWHERE):
+            if chosen is None or self.robot.reaches(chosen.action):
+                break
+            grasps = without_near(view, grasps, chosen.action.T_world_hand[:3, 3])
+            chosen = choose(grasps)
+        return chosen
 
     def _closer_step(
         self, view: DepthView, masks: InstanceMasks, grid: VoxelGrid, action: ExtractionAction
@@ -196,9 +232,15 @@ class PileSearch:
 
         Labels are those of the first image, but for a surer grasp elsewhere, which only the second one shows.
         """
-        near = self.robot.look(action.T_world_hand[:3, 3], NEAR_M).views[0]
+        try:
+            near = self.robot.look(action.T_world_hand[:3, 3], NEAR_M).views[0]
+        except OutOfReach:
+            return self._act(view, masks, grid, ChosenGrasp(action))
+        if (step := self._target_step(near)) is not None:
+            return step
         objects, grasps = self.segmenter.segment(near), self.quality.quality(near)
-        again = grasp_again(action, near, objects, grasps, self._tried_m if self.method.remembers else ())
+        tried_m = self._tried_m if self.method.remembers else ()
+        again = self._within_reach(near, grasps, lambda maps: grasp_again(action, near, objects, maps, tried_m))
         chosen = again or ChosenGrasp(action)
         surer = self._surer(chosen, near, objects, grasps)
         if surer is not None:
@@ -212,11 +254,13 @@ class PileSearch:
 
         It costs one action, and spares the difference of the chances of failing, times the risk.
         """
-        costs = self.method.costs
-        risk = 0.0 if costs is None else costs.risk(self._failures)
+        if (costs := self.method.costs) is None:
+            return None
+        risk = replace(costs, failures=self.rules.most_failures).risk(self._failures)
         if not risk > 1.0:
             return None
-        surer = surest_grasp(view, masks, grasps, self._tried_m)
+        tried_m = self._tried_m
+        surer = self._within_reach(view, grasps, lambda maps: surest_grasp(view, masks, maps, tried_m))
         return surer if surer is not None and (surer.chance - chosen.chance) * risk > 1.0 else None
 
     def _believed(self) -> VoxelGrid:
@@ -233,10 +277,13 @@ class PileSearch:
     def _view_of(self, grid: VoxelGrid) -> DepthView:
         """The image in which the next grasp is chosen."""
         if self.method.looks == OVERHEAD:
-            middle_m = (self.workspace.lower_m + self.workspace.upper_m) / 2
-        else:
-            middle_m = best_cluster(grid, self.method.cluster_threshold).point_m
-        return self.robot.look(middle_m, self.method.look_height_m).views[0]
+            return self._overhead()
+        middle_m = best_cluster(grid, self.method.cluster_threshold).point_m
+        return self.robot.look(middle_m, NEAR_M).views[0]
+
+    def _overhead(self) -> DepthView:
+        """The image that shows all piles."""
+        return self.robot.look((self.workspace.lower_m + self.workspace.upper_m) / 2, OVERHEAD_M).views[0]
 
     def _act(
         self,
@@ -264,7 +311,11 @@ class PileSearch:
         if step.attempt.shows_target:
             return
         near = [epc for epc, fix in self._fixes.items() if np.linalg.norm(fix.point_m - point_m) < _MOVED_M]
-        look = self.robot.look(point_m, NEAR_M, near)
+        try:
+            look = self.robot.look(point_m, NEAR_M, near)
+        except OutOfReach:  # the map stays as it was; what the policy looks at next is looked at anyway
+            self._in_sight = None
+            return
         self._seen = _refreshed(self._seen, look.views, point_m, self.method.update_edge_m)
         self._in_sight = look
         self._hear(look.fixes)

@@ -1,7 +1,7 @@
 """What a search believes about the place of its target, given all views so far and the tags that were located.
 
-`PaperBelief` is [Boroushaki2023], section 4: C + R, convolved with the target's kernel. `PosteriorBelief` is ours.
-`OwnTag` puts the target's own tag before either (4.5.1).
+`PaperBelief` is [Boroushaki2023], section 4: C + R, convolved with the target's kernel. `PosteriorBelief` is ours, and
+so is `XRayBelief`, the stronger variant of that baseline. `OwnTag` puts the target's own tag before another (4.5.1).
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,6 +21,7 @@ from rfcompass.mapping import (
     rf_certainty_map,
     tagged_items,
     tagged_target_map,
+    xray_map,
 )
 from rfcompass.types import ItemSize, TagFix, VoxelGrid
 from rfcompass.types.epc import canonical_epc
@@ -81,6 +82,15 @@ class PosteriorBelief(Record):
     def believe(self, seen: VisualMap, target: ItemSize, fixes: Fixes, sizes: Sequence[ItemSize]) -> VoxelGrid:
         """P(the target's middle is here | views, tags)."""
         return posterior_map(seen, target, tagged_items(_of_known(fixes, sizes), sizes), rules=self.rules)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class XRayBelief(Record):
+    """X-Ray's distribution from above, over the heights of all views; ours, stronger than its single image."""
+
+    def believe(self, seen: VisualMap, target: ItemSize, fixes: Fixes, sizes: Sequence[ItemSize]) -> VoxelGrid:  # noqa: ARG002
+        """One layer of voxels; it knows no tags."""
+        return xray_map(seen, target.size_m)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -63,8 +63,3 @@ class SearchMethod(Record):
         if not 0 <= self.cluster_threshold < 1:
             message = f"SearchMethod.cluster_threshold: {self.cluster_threshold} is not in [0, 1)"
             raise InputError(message, got=self.cluster_threshold)
-
-    @property
-    def look_height_m(self) -> float:
-        """Height of the camera where the next grasp is chosen [m]."""
-        return OVERHEAD_M if self.looks == OVERHEAD else NEAR_M

@@ -130,6 +130,18 @@ def grasp_again(
     return ChosenGrasp(replace(action, T_world_hand=T_world_hand, aperture_m=aperture_m), float(quality[best]))
 
 
+def without_near(view: DepthView, grasps: GraspMaps, point_m: FloatArray) -> GraspMaps:
+    """The same maps without grasps within 2 cm of a point, seen from above, where the arm cannot go.
+
+    Args:
+        view: What the maps are of.
+        grasps: The best grasp at each pixel.
+        point_m: In the world [m], shape (3,).
+    """
+    off_m = np.linalg.norm(points_image(view)[..., :2] - np.asarray(point_m)[:2], axis=2)
+    return replace(grasps, quality=np.where(off_m < _SAME_M, 0.0, grasps.quality))
+
+
 def _best(quality: FloatArray, pixels: BoolArray) -> tuple[int, int]:
     row, column = np.unravel_index(int(np.argmax(np.where(pixels, quality, -1.0))), quality.shape)
     return int(row), int(column)

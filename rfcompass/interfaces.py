@@ -252,6 +252,10 @@ class PileRobot(Protocol):
         """
         ...
 
+    def reaches(self, action: ExtractionAction) -> bool:
+        """Whether the arm can go for an object from where it is, and carry it to the drop zone; it stays at rest."""
+        ...
+
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
         """Go for an object and put what is held into the drop zone."""
         ...

@@ -34,7 +34,8 @@ class ActionCosts(Record):
     """What actions cost, and how often they succeed. All ours; to be chosen on tuning scenes.
 
     Attributes:
-        success: Measured curve: quality of a grasp and its probability of success, ascending, (quality, probability).
+        success: Quality of a grasp and its probability of success, ascending, (quality, probability). By default the
+            quality itself, which for `AntipodalQuality` is how often executed grasps held, but never below 5 %.
         usual: Probability of success of later removals.
         failures: So many failures in a row end a search [Boroushaki2023], section 7.3.
         lost: Actions that the end of a search costs.
@@ -42,7 +43,7 @@ class ActionCosts(Record):
         area_m2: A, area of a thing seen from above [m²].
     """
 
-    success: tuple[tuple[float, float], ...] = ((0.0, 0.05), (1.0, 0.95))
+    success: tuple[tuple[float, float], ...] = ((0.05, 0.05), (1.0, 1.0))
     usual: float = 0.7
     failures: int = 5
     lost: float = 10.0

@@ -27,7 +27,7 @@ class Scene(Record):
         grasps: The best grasp at each pixel.
         points_m: Point of the world that each pixel shows [m], NaN where none, shape (H, W, 3).
         candidates: Objects that could be taken.
-        failures: How many grasps have failed since the last success, remembered or not.
+        failures: How many failed grasps since the last success the policy was told of.
     """
 
     grid: VoxelGrid

@@ -52,10 +52,11 @@ def search_command(
 
     from rfcompass.recordings.search_folder import FILM_FILE, check_search_target, write_search
     from rfcompass.simulation.piles import make_pile
-    from rfcompass.studies.search_methods import search_method
+    from rfcompass.studies.search_methods import check_search_method, search_method
     from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
 
     with answering(as_json):
+        check_search_method(policy)
         folder = out or Path("runs") / f"search-{policy}-{seed}"
         check_search_target(folder, overwrite=overwrite)
         asked = {"command": "search", "policy": policy, "piles": piles, "items": items, "tagged": tagged,
@@ -63,6 +64,9 @@ def search_command(
                  "true_masks": true_masks}  # fmt: skip
         scene = make_pile(_family(way.value, piles, items), seed, target.value)
         tags = tagged_items_of(scene, "target" if tag_target else "any", tagged, seed)
+        carry = sum(tag.number != scene.target for tag in tags.tags)
+        if carry < tagged:
+            messages().print(f"only {carry} distractors can carry a tag", markup=False)
         method = search_method(policy, tags.target_size, seed)
         task = SearchTask(scene, tags, seed, absent=absent)
         run = SearchRun.of(replace(task, segmenter=None) if true_masks else task, method)
@@ -73,7 +77,7 @@ def search_command(
         if show:
             webbrowser.open(film.resolve().as_uri())
         if as_json:
-            print_json({**answer_json(result), "policy": policy, "run": str(folder)})
+            print_json({**answer_json(result), "policy": policy, "tagged": carry, "run": str(folder)})
         if not result.found:
             raise typer.Exit(EXIT_NO_ANSWER)
 

@@ -69,6 +69,7 @@ class SimulatedPileRobot:
     motions: list[tuple[float, ArmMotion]] = field(init=False, default_factory=list)
     tables: list[tuple[float, Mapping[int, FloatArray]]] = field(init=False, default_factory=list)
     _shown: list[tuple[DepthView, InstanceMasks]] = field(init=False, repr=False, default_factory=list)
+    _planned: tuple[tuple[bytes, bytes], ArmMotion | Failure] | None = field(init=False, repr=False, default=None)
     _elapsed_s: float = field(init=False, repr=False, default=0.0)
     _grasps: int = field(init=False, repr=False, default=0)
     _looks: int = field(init=False, repr=False, default=0)
@@ -93,9 +94,8 @@ class SimulatedPileRobot:
         rng = self._rng(1)
         views = [self._view(T) for T in self.way.camera_poses]
         motion = in_time(self.way.robot, REACH, self.way.motion.path)
-        took_s = max(motion.duration_s, READ_S * len(self.way.track))
-        slower = replace(motion, times_s=motion.times_s * took_s / motion.duration_s)
-        self._moved(ArmMotion((slower,), 0.0, self.way.camera_poses[-1]))
+        listens = len(self.way.track) if self.tags.tags else 0
+        self._moved(_reading(ArmMotion((motion,), 0.0, self.way.camera_poses[-1]), listens))
         return PileLook(tuple(views), self._located(self.way.track, rng))
 
     def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
@@ -103,16 +103,22 @@ class SimulatedPileRobot:
         motion = self.arm.look_at(point_m, height_m, self._joints)
         if isinstance(motion, Failure):
             raise OutOfReach(f"the arm cannot look at the pile: {motion.message}", **dict(motion.numbers))
-        self._moved(motion)
+        track = self._track(motion) if epcs else None
+        if track is None or len(track) < _FEWEST:
+            self._moved(motion)
+            return PileLook((self._view(motion.T_world_link),))
+        self._moved(_reading(motion, len(track)))
         view = self._view(motion.T_world_link)
-        if not epcs or len(track := self._track(motion)) < _FEWEST:
-            return PileLook((view,))
         return PileLook((view,), self._located(track, self._rng(2), epcs))
+
+    def reaches(self, action: ExtractionAction) -> bool:
+        """Plan the way to a grasp and to the drop zone."""
+        return isinstance(self._fetch(action), ArmMotion)
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
         """Go for an object and put what is held into the drop zone."""
         self._grasps, self._looks = self._grasps + 1, 0
-        motion = self.arm.fetch(action.T_world_hand, self._joints)
+        motion = self._fetch(action)
         if isinstance(motion, Failure):
             return GraspAttempt(UNREACHABLE, action.aperture_m, 0.0, message=motion.message)
         done = grasp_item(self.world, action.T_world_hand, action.aperture_m)
@@ -135,6 +141,13 @@ class SimulatedPileRobot:
             if seen is view:
                 return masks
         raise ValueError("this robot did not take that view")
+
+    def _fetch(self, action: ExtractionAction) -> ArmMotion | Failure:
+        """The motion of a grasp; that of the last question is kept."""
+        asked = (action.T_world_hand.tobytes(), self._joints.joints.tobytes())
+        if self._planned is None or self._planned[0] != asked:
+            self._planned = asked, self.arm.fetch(action.T_world_hand, self._joints)
+        return self._planned[1]
 
     def _view(self, T_world_camera: FloatArray) -> DepthView:
         self._camera.move_to(T_world_camera)
@@ -178,3 +191,10 @@ class SimulatedPileRobot:
             except (NoAnswer, KeyError):  # too few reads, or none
                 continue
         return tuple(fixes)
+
+
+def _reading(motion: ArmMotion, positions: int) -> ArmMotion:
+    """The same motion, slowed down until there is time to read at so many antenna positions."""
+    moving_s = motion.duration_s - motion.waiting_s
+    slower = max(1.0, READ_S * positions / moving_s) if moving_s > 0 else 1.0
+    return replace(motion, stages=tuple(replace(stage, times_s=stage.times_s * slower) for stage in motion.stages))

@@ -1,10 +1,11 @@
-"""Studies after Fig. 9 of [Boroushaki2023]: searches by complexity, by the number of tags, and by where they are."""
+"""Studies after Fig. 9 of [Boroushaki2023], by complexity, number and places of tags; and of the gate for grasps."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from rfcompass.evaluation.records import MetricValue
+from rfcompass.studies.pile_scenes import FAMILIES
 from rfcompass.studies.searches import DIFFERS, TAGS, Arm, metrics_of, row_of
 from rfcompass.studies.study import Cell, PaperValue, Study
 
@@ -25,6 +26,19 @@ TAG_PAIRS: Sequence[tuple[str, str]] = (
     ("fusebot_touching", "fusebot_other_pile"),
     ("fusebot_opposite", "fusebot_other_pile"),
 )
+# Each baseline with and without the gate of Eq. 5.
+BY_GATE: Mapping[str, Arm] = {
+    **{name: Arm(name) for way in ("xray", "naive", "largest", "random") for name in (way, f"{way}_gate")},
+    "fusebot_no_gate": Arm("fusebot_no_gate"),
+    "fusebot": Arm("fusebot"),
+    "own_no_gate": Arm("fusebot_no_gate", 0, "target"),
+    "own": Arm("fusebot", 0, "target"),
+}
+GATE_PAIRS: Sequence[tuple[str, str]] = (
+    *((f"{way}_gate", way) for way in ("xray", "naive", "largest", "random")),
+    ("fusebot", "fusebot_no_gate"),
+    ("own", "own_no_gate"),
+)
 _NOTE = (
     "As in the study `searches`: hidden targets, executed grasps, masks from depth. Only some items can carry a tag; "
     "where a pile has none of them at the place that is asked for, the trial has no value for that arm."
@@ -39,6 +53,11 @@ def levels_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str
 def tags_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, MetricValue]:  # noqa: ARG001
     """Search one pile with different tags."""
     return row_of(str(cell["family"]), seed, BY_TAGS, TAG_PAIRS)
+
+
+def gates_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, MetricValue]:  # noqa: ARG001
+    """Search one pile by each baseline, with the gate and without."""
+    return row_of(str(cell["family"]), seed, BY_GATE, GATE_PAIRS)
 
 
 def _printed(arm: str, median: float, figure: str) -> PaperValue:
@@ -73,5 +92,16 @@ SEARCH_TAGS = Study(
         _printed("fusebot_opposite", 3.0, "9c"),
         _printed("fusebot_touching", 3.0, "9c"),
     ),
+    note=_NOTE,
+)
+SEARCH_GATES = Study(
+    name="search-gates",
+    title="Searching piles with and without the gate for good grasps",
+    kind="simulated",
+    factors={"family": FAMILIES},
+    seeds=range(1000, 1034),
+    tuning_seeds=range(40),
+    trial=gates_trial,
+    metrics=metrics_of(BY_GATE, GATE_PAIRS),
     note=_NOTE,
 )

@@ -1,7 +1,8 @@
 """The ways of searching that studies and the command line know, by name.
 
 `fusebot` and `xray` are the papers', with their own views and updates. Names that end in `_equal` have the views, the
-updates of the map and the memory of failures that our own method has, so that only the rule differs.
+updates of the map and the memory of failures that our own method has. `fusebot_posterior` has its map as well, and
+`ours_plain` is ours without the mind for the last failure: these two differ in the rule alone.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,11 +13,12 @@ from planners.extraction import (
     FewestActionsPolicy,
     FuseBotPolicy,
     LargestMaskPolicy,
+    MapMassPolicy,
     NaivePolicy,
     RandomPolicy,
     XRayPolicy,
 )
-from planners.search_beliefs import Belief, OwnTag, PaperBelief, PosteriorBelief
+from planners.search_beliefs import Belief, OwnTag, PaperBelief, PosteriorBelief, XRayBelief
 from planners.search_method import OVERHEAD, WHOLE_VIEW_M, SearchMethod
 from rfcompass.errors import InputError
 from rfcompass.types import ItemSize
@@ -42,9 +44,18 @@ def search_method(name: str, target: ItemSize, seed: int = 0) -> SearchMethod:
     Raises:
         InputError: If there is no such method.
     """
+    check_search_method(name)
+    return METHODS[name](target, seed)
+
+
+def check_search_method(name: str) -> None:
+    """Check that there is such a way of searching.
+
+    Raises:
+        InputError: If not.
+    """
     if name not in METHODS:
         raise InputError(f"no way of searching is called {name!r}; known: {', '.join(METHODS)}", known=list(METHODS))
-    return METHODS[name](target, seed)
 
 
 def _with_own_tag(belief: Belief, target: ItemSize) -> Belief:
@@ -94,12 +105,34 @@ def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
     return make
 
 
-def _ours(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
-    return SearchMethod(
-        name="ours",
+def _xray_views(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
+    return SearchMethod(name="xray_views", policy=MapMassPolicy(gate=True), belief=XRayBelief(), **_OUR_VIEWS)
+
+
+def _naive(name: str, *, gate: bool) -> Maker:
+    return lambda target, _: SearchMethod(
+        name=name, policy=NaivePolicy(gate=gate, remembers=False), belief=_with_own_tag(PaperBelief(), target)
+    )
+
+
+def _largest(name: str, *, gate: bool) -> Maker:
+    return lambda _, __: SearchMethod(
+        name=name, policy=LargestMaskPolicy(gate=gate, remembers=False), belief=None, looks=OVERHEAD
+    )
+
+
+def _random(name: str, *, gate: bool) -> Maker:
+    return lambda _, seed: SearchMethod(
+        name=name, policy=RandomPolicy(seed=seed, gate=gate, remembers=False), belief=None, looks=OVERHEAD
+    )
+
+
+def _ours(name: str, costs: ActionCosts | None) -> Maker:
+    return lambda target, _: SearchMethod(
+        name=name,
         policy=FewestActionsPolicy(target_m=target.size_m, gate=True, removals=1),
         belief=_with_own_tag(PosteriorBelief(), target),
-        costs=ActionCosts(),
+        costs=costs,
         **_OUR_VIEWS,
     )
 
@@ -113,14 +146,13 @@ METHODS: Mapping[str, Maker] = {
     "xray": _xray("xray", gate=False),
     "xray_gate": _xray("xray_gate", gate=True),
     "xray_equal": _xray("xray_equal", gate=True, equal=True),
-    "naive": lambda target, _: SearchMethod(
-        name="naive", policy=NaivePolicy(), belief=_with_own_tag(PaperBelief(), target)
-    ),
-    "largest": lambda _, __: SearchMethod(
-        name="largest", policy=LargestMaskPolicy(remembers=False), belief=None, looks=OVERHEAD
-    ),
-    "random": lambda _, seed: SearchMethod(
-        name="random", policy=RandomPolicy(seed=seed, remembers=False), belief=None, looks=OVERHEAD
-    ),
-    "ours": _ours,
+    "xray_views": _xray_views,
+    "naive": _naive("naive", gate=False),
+    "naive_gate": _naive("naive_gate", gate=True),
+    "largest": _largest("largest", gate=False),
+    "largest_gate": _largest("largest_gate", gate=True),
+    "random": _random("random", gate=False),
+    "random_gate": _random("random_gate", gate=True),
+    "ours": _ours("ours", ActionCosts()),
+    "ours_plain": _ours("ours_plain", None),
 }

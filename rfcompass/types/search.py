@@ -103,8 +103,17 @@ class PileLook(Record):
 
 
 FOUND, TOO_MANY_ACTIONS, TOO_MANY_FAILURES = "found", "too_many_actions", "too_many_failures"
-NOTHING_HIDDEN, NOTHING_TO_GRASP, OUT_OF_REACH = "nothing_hidden", "nothing_to_grasp", "out_of_reach"
-SEARCH_ENDS = (FOUND, TOO_MANY_ACTIONS, TOO_MANY_FAILURES, NOTHING_HIDDEN, NOTHING_TO_GRASP, OUT_OF_REACH)
+NOTHING_HIDDEN, NOTHING_TO_GRASP = "nothing_hidden", "nothing_to_grasp"
+OUT_OF_REACH, CAMERA_BLOCKED = "out_of_reach", "camera_blocked"
+SEARCH_ENDS = (
+    FOUND,
+    TOO_MANY_ACTIONS,
+    TOO_MANY_FAILURES,
+    NOTHING_HIDDEN,
+    NOTHING_TO_GRASP,
+    OUT_OF_REACH,
+    CAMERA_BLOCKED,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from planners import pile_search
 from planners.extraction import ActionCosts, Cluster
 from planners.pile_search import PileSearch, SearchRules
 from planners.search_beliefs import PaperBelief, PosteriorBelief
-from planners.search_method import OVERHEAD, OVERHEAD_M, SearchMethod
+from planners.search_method import CLUSTER, NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import InputError, NothingToGrasp, OutOfReach
 from rfcompass.mapping.camera import points_image
@@ -63,8 +63,11 @@ class ScriptedRobot:
     fixes: tuple[TagFix, ...] = ()
     heard_later: tuple[TagFix, ...] = ()
     blind: bool = False
+    red_only_below_m: float = np.inf
+    out_of_reach: int = 0
     elapsed_s: float = 0.0
     done: list[ExtractionAction] = field(default_factory=list)
+    asked: list[ExtractionAction] = field(default_factory=list)
     scans: int = 0
     heights_m: list[float] = field(default_factory=list)
 
@@ -81,6 +84,10 @@ class ScriptedRobot:
         heard = tuple(fix for fix in self.heard_later if fix.epc in epcs)
         return PileLook((self._image(float(point_m[0]), float(point_m[1]), height_m),), heard)
 
+    def reaches(self, action: ExtractionAction) -> bool:
+        self.asked.append(action)
+        return len(self.asked) > self.out_of_reach
+
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
         self.done.append(action)
         attempt = self.script[min(len(self.done), len(self.script)) - 1]
@@ -88,7 +95,8 @@ class ScriptedRobot:
         return attempt
 
     def _image(self, x_m: float, y_m: float, z_m: float) -> DepthView:
-        return image(x_m, y_m, z_m, box=self.box, red=len(self.done) >= self.red_from)
+        red = len(self.done) >= self.red_from and z_m < self.red_only_below_m
+        return image(x_m, y_m, z_m, box=self.box, red=red)
 
 
 @dataclass
@@ -355,3 +363,84 @@ def test_the_threshold_of_the_method_says_which_part_of_the_map_is_looked_at(mon
     monkeypatch.setattr(pile_search, "best_cluster", noted)
     next(search(ScriptedRobot([HELD]), cluster_threshold=0.6).steps())
     assert asked == [0.6]
+
+
+def test_a_target_that_only_the_closer_look_shows_is_grasped() -> None:
+    robot = ScriptedRobot([FOUND], red_from=0, red_only_below_m=0.65)
+    result = search(robot, looks=OVERHEAD, looks_closer=True).run()
+    assert [step.on_target for step in result.steps] == [True]
+
+
+def test_what_the_arm_cannot_reach_is_not_chosen() -> None:
+    """Qualities are even: each other choice is at least 2 cm from the ones before."""
+    robot = ScriptedRobot([FOUND], red_from=0, out_of_reach=3)
+    search(robot).run()
+    (done,) = robot.done
+    refused_m = [action.T_world_hand[:2, 3] for action in robot.asked[:3]]
+    assert all(np.linalg.norm(done.T_world_hand[:2, 3] - place_m) >= 0.02 for place_m in refused_m)
+
+
+def test_where_the_arm_reaches_nothing_it_tries_and_counts_a_failure() -> None:
+    unreachable = GraspAttempt("unreachable", 0.04, 0.0)
+    result = search(ScriptedRobot([unreachable], out_of_reach=10**6)).run()
+    assert (result.outcome, result.failed_grasps) == ("too_many_failures", 5)
+
+
+def test_a_look_after_a_grasp_that_the_arm_cannot_take_ends_nothing() -> None:
+    robot = ScriptedRobot([HELD, FOUND])
+    look = robot.look
+
+    def not_after(point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+        if len(robot.done) > len(robot.heights_m) - 1:  # one look before each action, none after it
+            raise OutOfReach("the arm cannot look there")
+        return look(point_m, height_m, epcs)
+
+    robot.look = not_after  # type: ignore[method-assign]
+    robot.heights_m.append(0.0)
+    assert search(robot).run().actions == 2
+
+
+def test_a_closer_look_that_the_arm_cannot_take_leaves_the_first_choice() -> None:
+    robot = ScriptedRobot([FOUND])
+    look = robot.look
+
+    def not_near(point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+        if height_m < OVERHEAD_M:
+            raise OutOfReach("the arm cannot look there")
+        return look(point_m, height_m, epcs)
+
+    robot.look = not_near  # type: ignore[method-assign]
+    assert search(robot, looks=OVERHEAD, looks_closer=True).run().actions == 1
+
+
+@pytest.mark.parametrize("looks", [CLUSTER, OVERHEAD])
+def test_nothing_to_take_above_the_cluster_is_no_end_before_all_was_looked_at(looks: str) -> None:
+    class OnlyFromAfar(Noted):
+        def choose(self, grid: VoxelGrid, view: DepthView, *more: object) -> ExtractionAction:
+            if view.T_world_camera[2, 3] < OVERHEAD_M:
+                raise NothingToGrasp("nothing", masks=0)
+            return super().choose(grid, view, *more)  # type: ignore[arg-type]
+
+    robot = ScriptedRobot([FOUND])
+    assert search(robot, OnlyFromAfar(), looks=looks).run().found
+    assert robot.heights_m == ([NEAR_M] if looks == CLUSTER else []) + [OVERHEAD_M]
+
+
+def test_a_camera_that_sees_nothing_is_a_typed_end() -> None:
+    robot = ScriptedRobot([HELD])
+    dark = DepthView(
+        np.full((H, W), np.nan), image(0, 0, 0.7).intrinsics, down(0, 0, 0.7), np.zeros((H, W, 3), np.int64)
+    )
+    scan = robot.scan
+    robot.scan = lambda: replace(scan(), views=(dark,))  # type: ignore[method-assign]
+    result = search(robot).run()
+    assert (result.outcome, result.actions) == ("camera_blocked", 0)
+
+
+def test_the_cost_of_the_last_failure_goes_by_the_rule_of_the_search() -> None:
+    """With a limit of three, the third try is the last, and goes elsewhere."""
+    robot = ScriptedRobot([MISSED])
+    bare = search(robot, costs=ActionCosts(), looks=OVERHEAD, looks_closer=True, remembers=True)
+    both = WithAStrip()
+    replace(bare, segmenter=both, quality=both, rules=SearchRules(most_failures=3)).run()
+    assert [bool(abs(action.T_world_hand[0, 3]) > 0.1) for action in robot.done] == [False, True, True]
