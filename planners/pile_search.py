@@ -52,6 +52,12 @@ from rfcompass.types.search import (
 _MOVED_M = 0.15
 # Ours: how often another grasp is chosen because the arm cannot go there.
 _MOST_ELSEWHERE = 8
+_ENDS = {
+    NothingHidden: NOTHING_HIDDEN,
+    NothingToGrasp: NOTHING_TO_GRASP,
+    OutOfReach: OUT_OF_REACH,
+    CameraBlocked: CAMERA_BLOCKED,
+}
 Choice = TypeVar("Choice", ChosenGrasp, ChosenGrasp | None)
 
 
@@ -119,14 +125,8 @@ class PileSearch:
             for step in self.steps():
                 if step.attempt.success and step.attempt.shows_target:
                     return self._ended(FOUND, f"the target is in the drop zone after {len(self._done)} actions")
-        except NothingHidden as nothing:
-            return self._ended(NOTHING_HIDDEN, str(nothing))
-        except NothingToGrasp as nothing:
-            return self._ended(NOTHING_TO_GRASP, str(nothing))
-        except OutOfReach as reason:
-            return self._ended(OUT_OF_REACH, str(reason))
-        except CameraBlocked as blind:
-            return self._ended(CAMERA_BLOCKED, str(blind))
+        except (NothingHidden, NothingToGrasp, OutOfReach, CameraBlocked) as why:
+            return self._ended(next(end for kind, end in _ENDS.items() if isinstance(why, kind)), str(why))
         if self._failures >= self.rules.most_failures:
             return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
         return self._ended(TOO_MANY_ACTIONS, f"the target was not found in {len(self._done)} actions")
