@@ -10,6 +10,27 @@ from rfcompass.errors import ShapeError
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, GraspMaps
 
+_GGCNN_WIDTH_PX = 150.0  # of the published code of [Morrison2018]
+
+
+def ggcnn_answer(
+    quality: FloatArray, cos: FloatArray, sin: FloatArray, width: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Turn the four outputs of a GG-CNN [Morrison2018] into what `NetworkGraspQuality` expects.
+
+    Its angle is counted anticlockwise as one looks at the image, ours from columns to rows, clockwise. Its width is in
+    150 pixels, and its quality, a linear output, may leave [0, 1]. The published code smooths all three images after
+    that; do so before if you want to.
+
+    Args:
+        quality: Shape (H, W).
+        cos: cos(2φ), shape (H, W).
+        sin: sin(2φ), shape (H, W).
+        width: Shape (H, W).
+    """
+    angle = -np.arctan2(sin, cos) / 2
+    return np.clip(quality, 0.0, 1.0), angle, np.maximum(width, 0.0) * _GGCNN_WIDTH_PX
+
 
 @dataclass(frozen=True, kw_only=True)
 class NetworkGraspQuality:
@@ -64,5 +85,9 @@ class NetworkGraspQuality:
                 raise ShapeError(message, name=name, expected=shape, got=image.shape)
             least = -np.inf if name == "angle" else 0.0
             if not (np.isfinite(image) & (image >= least) & (image <= greatest)).all():
-                raise ShapeError(f"the network's {name} is not finite, or out of its range", name=name)
+                low, high = float(np.min(image)), float(np.max(image))
+                message = (
+                    f"the network's {name} goes from {low:.3g} to {high:.3g}, not within {least:g} and {greatest:g}"
+                )
+                raise ShapeError(message, name=name, least=low, most=high)
         return images

@@ -1,4 +1,4 @@
-"""`rfcompass view PATH`: a trace, a run or a grasp plan as one HTML page."""
+"""`rfcompass view PATH`: a trace, a run, a search or a grasp plan as one HTML page."""
 
 import webbrowser
 from pathlib import Path
@@ -18,7 +18,7 @@ _OF_OLD_PLANS = "youbot"
 
 
 def view(
-    path: Annotated[Path, typer.Argument(help="Trace or run folder, or the JSON file of a grasp plan.")],
+    path: Annotated[Path, typer.Argument(help="Trace, run or search folder, or the JSON file of a grasp plan.")],
     out: Annotated[Path | None, typer.Option(help="HTML file to write; PATH.html by default.")] = None,
     show: Annotated[bool, typer.Option(help="Open the page in a browser; a plan live, until Ctrl-C.")] = False,
     robot: Annotated[
@@ -30,7 +30,7 @@ def view(
     database: Annotated[Path | None, typer.Option(help="Part database; by default the user's own.")] = None,
     as_json: JsonFlag = False,
 ) -> None:
-    """Draw a trace (antenna path, tags, SAR images, phases) or a grasp plan; or lead to the page of a run."""
+    """Draw a trace (antenna path, tags, SAR images, phases) or a grasp plan; or lead to the page of a run or search."""
     with answering(as_json):
         plan = _plan_view(path, robot, estimate, database) if path.is_file() and path.suffix == ".json" else None
         if plan is not None:
@@ -62,12 +62,13 @@ def _plan_view(path: Path, robot: str | None, estimate: Path | None, database: P
 
 
 def _run_page(path: Path, out: Path | None) -> Path | None:
-    """Page of a run folder, copied if asked for elsewhere; None if the path is no run."""
+    """Page of the folder of a run or search, copied if asked for elsewhere; None if the path is neither."""
     from rfcompass.errors import TraceError
     from rfcompass.files import write_text_atomic
     from rfcompass.recordings import VIEW_FILE, is_run
+    from rfcompass.recordings.search_folder import is_search
 
-    if not is_run(path):
+    if not (is_run(path) or is_search(path)):
         return None
     page = path / VIEW_FILE
     if not page.is_file():

@@ -1,11 +1,16 @@
 """Collects what happened in a simulated search for its film and its report."""
 
+import numpy as np
+
+from rfcompass.arrays import FloatArray
+from rfcompass.mapping.camera import points_image
 from rfcompass.simulation.piles import PileWorld, drawn_shapes
 from rfcompass.studies.searching import SearchRun
-from rfcompass.types import Configuration, SearchResult
+from rfcompass.types import Configuration, SearchResult, SearchStep
 from rfcompass.viz.search_film import FilmedGrasp, FilmedPile, SearchFilm
 
 _OPACITY = 0.75  # of items, so that the map shows through
+_EVERY = 2  # pixels of an image whose points are drawn
 
 
 def film_of(run: SearchRun, result: SearchResult) -> SearchFilm:
@@ -42,6 +47,19 @@ def _grasps(result: SearchResult) -> list[FilmedGrasp]:
             step.grid,
             step.attempt.outcome,
             step.attempt.success,
+            *_scored(step),
         )
         for step in result.steps
     ]
+
+
+def _scored(step: SearchStep) -> tuple[FloatArray, FloatArray]:
+    """Points on the objects of an image, and the share of the best score that each object has, -1 for none."""
+    labels, points_m = step.masks.labels[::_EVERY, ::_EVERY], points_image(step.view)[::_EVERY, ::_EVERY]
+    shown = (labels > 0) & np.isfinite(points_m).all(axis=2)
+    scores, best = step.action.scores, max(step.action.scores.values(), default=0.0)
+    share = np.full(int(labels.max()) + 1, -1.0)
+    for label, score in scores.items():
+        if best > 0 and label < len(share):
+            share[label] = max(score / best, 0.0)
+    return points_m[shown], share[labels[shown]]

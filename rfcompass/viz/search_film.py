@@ -1,14 +1,14 @@
-"""A search in a pile as a film: the arm at work, the pile as it shrinks, the map as it changes, what was gone for.
+"""A search in a pile as a film: arm, pile as it shrinks, map as it changes, objects by score, what was gone for.
 
 The page's controls have a slider for the time; a legend shows and hides the layers.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rfcompass.arrays import FloatArray
+from rfcompass.arrays import FloatArray, read_only
 from rfcompass.errors import InputError
 from rfcompass.robots import Robot
 from rfcompass.types.configuration import Configuration
@@ -18,11 +18,13 @@ from rfcompass.types.record import Record
 from rfcompass.viz.grasp_view import View
 from rfcompass.viz.overlay import Layer, Overlay, StageMark
 from rfcompass.viz.robot_scene import RobotScene
-from rfcompass.viz.voxel_points import voxel_points
+from rfcompass.viz.voxel_points import value_rgb, voxel_points
 
 # Ours: where the camera stands, seen from the middle of the table [m]; voxels that are drawn of each map, and the share
-# of the largest from which they are; size and colours of the mark of a grasp.
+# of the largest from which they are; colour of an object without a score, size of its points [m]; size and colours of
+# the mark of a grasp.
 _CAMERA_M, _MOST, _SHARE = np.array([0.9, 0.9, 0.8]), 4000, 0.25
+_GREY, _POINT_M = 0.55, 0.004
 _MARK_M, _HELD_RGBA, _FAILED_RGBA = (0.012, 0.085, 0.06), (0.1, 0.6, 0.25, 0.8), (0.85, 0.2, 0.1, 0.8)
 
 
@@ -50,6 +52,9 @@ class FilmedGrasp(Record):
         grid: What was believed; None where there was no need to.
         outcome: What came of it.
         held: Whether something was taken.
+        objects_m: Points that were seen on objects, in the world [m], shape (P, 3).
+        scores: Score of the object that each is on, as a share of the best one's; negative where it has none,
+            shape (P,).
     """
 
     time_s: float
@@ -58,6 +63,14 @@ class FilmedGrasp(Record):
     grid: VoxelGrid | None
     outcome: str
     held: bool
+    objects_m: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    scores: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        """Freeze the points, a score for each."""
+        object.__setattr__(self, "objects_m", read_only(self.objects_m, "FilmedGrasp.objects_m", (None, 3)))
+        scores = read_only(self.scores, "FilmedGrasp.scores", (len(self.objects_m),))
+        object.__setattr__(self, "scores", scores)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +118,7 @@ def draw_search(robot: Robot, film: SearchFilm, facts: Sequence[tuple[str, str]]
         Layer("arm", "robot", None),
         Layer("pile (simulated truth)", "pile", None, len(film.piles)),
         Layer("where the target may be", "belief", None, len(believed)),
+        Layer("objects, redder with their score", "objects", None, sum(len(g.scores) > 0 for g in film.grasps)),
         Layer("grasps", "grasps", None, len(film.grasps)),
     ]
     marks = tuple(StageMark(f"{n + 1}: {grasp.outcome}", grasp.time_s) for n, grasp in enumerate(film.grasps))
@@ -122,6 +136,10 @@ def _draw_grasp(scene: RobotScene, number: int, grasp: FilmedGrasp) -> bool:
     mark = PlacedShape("hand", "box", np.array(_MARK_M), grasp.T_world_hand, rgba)
     scene.draw_shapes(f"grasps/{number}", [mark])
     scene.show_between(f"grasps/{number}", grasp.time_s, grasp.until_s)
+    if len(grasp.scores):
+        colours = np.where(grasp.scores[:, None] < 0, _GREY, value_rgb(np.maximum(grasp.scores, 0.0), 1.0))
+        scene.draw_points(f"objects/{number}", grasp.objects_m, colours, _POINT_M)
+        scene.show_between(f"objects/{number}", grasp.time_s, grasp.until_s)
     if grasp.grid is None or not grasp.grid.values.max() > 0:
         return False
     points = voxel_points(grasp.grid, _SHARE, _MOST)

@@ -28,6 +28,7 @@ def test_a_search_leaves_a_folder_that_says_what_it_printed(run, tmp_path):
         text = (out / page).read_text(encoding="utf-8")
         assert "https://" not in text.replace("https://www.w3.org", "").split("<script")[0]
     assert is_search(out)
+    assert run("view", out, "--json").json["page"] == str(out / "view.html")
 
     again = run("search", *SMALL, "--out", out, "--json")
     assert (again.code, again.json["failure"]["kind"]) == (2, "TraceError")
@@ -37,16 +38,23 @@ def test_a_search_leaves_a_folder_that_says_what_it_printed(run, tmp_path):
 def test_a_target_that_is_not_there_is_no_answer_with_the_maps_verdict(run, tmp_path):
     ran = run("search", *SMALL, "--absent", "--out", tmp_path / "run", "--json")
     assert ran.code == 1
-    assert ran.json["failure"]["kind"] != "found"
-    assert ran.json["failure"]["hidden_m3"] >= 0
+    assert ran.json["failure"]["kind"] == ran.json["outcome"]
+    assert ran.json["failure"]["hidden_m3"] == ran.json["hidden_m3"]
     assert (tmp_path / "run" / "view.html").is_file()
 
 
 @pytest.mark.parametrize(
-    ("options", "word"), [(("--policy", "best"), "fusebot"), (("--tagged", -1), ""), (("--piles", 4), "")]
+    ("options", "word"),
+    [(("--policy", "best"), "fusebot"), (("--tagged", -1), "--tagged"), (("--piles", 4), "--piles")],
 )
 def test_what_cannot_be_is_refused_and_nothing_written(run, tmp_path, options, word):
     ran = run("search", *SMALL, *options, "--out", tmp_path / "run")
     assert ran.code == 2
     assert word in ran.err
     assert not (tmp_path / "run").exists()
+
+
+def test_tags_that_nothing_can_carry_are_not_counted(run, tmp_path):
+    ran = run("search", *SMALL, "--tagged", 50, "--out", tmp_path / "run", "--json")
+    assert ran.json["tagged"] < 5
+    assert f"only {ran.json['tagged']} distractors" in ran.err

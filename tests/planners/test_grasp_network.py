@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from standing_boxes import Upright, look, pixel_of
 
 from planners.grasp_at_pixel import grasp_at_pixel
-from planners.grasp_network import NetworkGraspQuality
+from planners.grasp_network import NetworkGraspQuality, ggcnn_answer
 from rfcompass.errors import ShapeError
 from rfcompass.interfaces import GraspQuality
 
@@ -72,3 +74,16 @@ def test_the_network_cannot_change_the_view():
     before = view.depth_m.copy()
     NetworkGraspQuality(network=network).quality(view)
     assert np.array_equal(view.depth_m, before)
+
+
+@given(st.floats(-1.5, 1.5), st.floats(-2.0, 3.0), st.floats(-1.0, 2.0))
+def test_a_ggcnn_counts_its_angle_anticlockwise_as_one_looks_at_the_image(angle_rad, said, width):
+    """The ends of its rectangle are cos to the right and sin upwards, which is against the rows."""
+    image = np.ones((2, 3))
+    quality, angle, width_px = ggcnn_answer(
+        said * image, np.cos(2 * angle_rad) * image, np.sin(2 * angle_rad) * image, width * image
+    )
+    across = np.cos(angle) * -np.sin(angle_rad) - np.sin(angle) * np.cos(angle_rad)
+    assert across == pytest.approx(0.0, abs=1e-9)
+    assert quality == pytest.approx(min(max(said, 0.0), 1.0))
+    assert width_px == pytest.approx(150.0 * max(width, 0.0))

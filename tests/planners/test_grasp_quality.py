@@ -176,3 +176,22 @@ def test_equal_views_give_equal_bits():
     things = (Upright(), Upright(0.07, 0.03, 0.7))
     first, second = QUALITY.quality(look(*things)), QUALITY.quality(look(*things))
     assert all(np.array_equal(getattr(first, n), getattr(second, n)) for n in first.__slots__)
+
+
+def test_hands_that_are_wider_than_what_is_looked_at_are_refused():
+    JawSizes(opening_m=0.096, thickness_m=0.012)
+    for wrong in ({"opening_m": 0.14}, {"thickness_m": 0.02}):
+        with pytest.raises(InputError, match=r"0\.06 m"):
+            JawSizes(**wrong)
+
+
+def test_a_weight_for_each_number():
+    with pytest.raises(ShapeError, match="closing"):
+        AntipodalQuality(closing=(1.0,) * 10)
+
+
+def test_tips_that_must_stay_high_leave_low_things_alone():
+    """Where the tips would have to end above the surface, there is no grasp, of neither kind."""
+    quality = AntipodalQuality(jaws=JawSizes(above_table_m=0.03))
+    low = quality.quality(look(Upright(0.0, 0.0, 0.0, 0.2, 0.15, 0.02)))
+    assert not low.quality.any()

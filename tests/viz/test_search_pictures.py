@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rfcompass.errors import InputError
+from rfcompass.errors import InputError, ShapeError
 from rfcompass.robots import load_robot
 from rfcompass.types import (
     DepthView,
@@ -90,3 +90,16 @@ def test_the_film_has_a_mark_for_each_grasp_and_counts_the_maps():
 def test_a_film_without_a_picture_is_refused(more):
     with pytest.raises(InputError, match="without a picture"):
         draw_search(load_robot("ur5e_2f85"), film(**more))
+
+
+def test_a_film_has_the_objects_of_each_decision_as_a_layer():
+    shown = FilmedGrasp(0.5, 1.0, HAND, GRID, "held", True, np.zeros((3, 3)), np.array([1.0, 0.2, -1.0]))
+    hidden = FilmedGrasp(1.0, 2.0, HAND, None, "missed", False)
+    view = draw_search(load_robot("ur5e_2f85"), film(grasps=(shown, hidden)))
+    (layer,) = (layer for layer in view.overlay.layers if layer.node == "objects")
+    assert layer.count == 1
+
+
+def test_a_score_for_each_point_or_none():
+    with pytest.raises(ShapeError, match="scores"):
+        FilmedGrasp(0.5, 1.0, HAND, GRID, "held", True, np.zeros((3, 3)), np.zeros(2))
