@@ -7,12 +7,13 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 from write_results import Results, table
 from write_search import interval, main_table, pooled_quantiles, pooled_values, share
 
-from rfcompass.studies.search_figures import BY_LEVEL, BY_TAGS, LEVEL_PAIRS, TAG_PAIRS
+from rfcompass.studies.search_figures import BY_GATE, BY_LEVEL, BY_TAGS, GATE_PAIRS, LEVEL_PAIRS, TAG_PAIRS
 from rfcompass.studies.search_kernels import KERNELS
 
 PAGE = Path(__file__).resolve().parent / "search.md"
@@ -59,9 +60,43 @@ def classes(got):
     return by_part(parts(got, "target_class"), BY_LEVEL, LEVEL_PAIRS)
 
 
+# Fig. 9b counts tags that were located: from and to.
+LOCATED = ((0, 0), (1, 3), (4, 6), (7, 9))
+
+
+def by_located(got):
+    """Mean actions by how many tags were located confidently before the first action, searches with any number dealt."""
+    lines = []
+    for way in ("fusebot", "ours"):
+        cells, rows = [], got.rows.to_pylist()
+        for low, high in LOCATED:
+            arms = [f"{way}_{count}" for count in (0, 3, 6, 9)]
+            of_piles = [[row[f"all_{arm}"] for arm in arms
+                         if row[f"all_{arm}"] is not None and low <= row[f"located_{arm}"] <= high] for row in rows]  # fmt: skip
+            cells.append(clustered([values for values in of_piles if values]))
+        lines.append([f"`{way}`", *cells])
+    heads = (f"{low} to {high} located:" if high else "none located:" for low, high in LOCATED)
+    return table(("mean actions, 16 where not found", *heads), *lines)
+
+
+def clustered(of_piles):
+    """Mean of all values, its 95 % interval, piles drawn with all their searches; and how many searches there are."""
+    if len(of_piles) < 2:
+        return "–"
+    sums, counts = np.array([(sum(values), len(values)) for values in of_piles]).T
+    drawn = np.random.default_rng(0).integers(0, len(of_piles), (4000, len(of_piles)))
+    low, high = np.percentile(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1), [2.5, 97.5])
+    return f"{sums.sum() / counts.sum():.2f} ({low:.2f} … {high:.2f}), {int(counts.sum())}"
+
+
 def tags(got):
     """Fig. 9b and 9c."""
-    return f"{main_table(got, BY_TAGS)}\n\n{differences(got, TAG_PAIRS)}"
+    return f"{main_table(got, BY_TAGS)}\n\n{by_located(got)}\n\n{differences(got, TAG_PAIRS)}"
+
+
+def gates(got):
+    """Each baseline with and without the gate."""
+    return f"{main_table(got, BY_GATE)}\n\n{differences(got, GATE_PAIRS)}"
 
 
 def kernels(got):
@@ -78,7 +113,8 @@ def kernels(got):
     return table((f"simulated, {len(got.rows)} piles", *heads), *lines)
 
 
-STUDIES = {"search-levels": levels, "search-tags": tags, "search-kernels": kernels, "search-classes": classes}
+STUDIES = {"search-levels": levels, "search-tags": tags, "search-kernels": kernels, "search-classes": classes,
+           "search-gates": gates}  # fmt: skip
 
 
 def write(runs):

@@ -8,9 +8,9 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 from simulation.pile_scenes import tiny
 
 from rfcompass.studies import searches
-from rfcompass.studies.search_figures import SEARCH_LEVELS, SEARCH_TAGS
+from rfcompass.studies.search_figures import BY_GATE, GATE_PAIRS, SEARCH_GATES, SEARCH_LEVELS, SEARCH_TAGS
 from rfcompass.studies.search_methods import METHODS
-from rfcompass.studies.searches import ARMS, KNOWN, LOST, PAIRS, SEARCHES, Arm, metrics_of, row_of
+from rfcompass.studies.searches import ARMS, BOUNDS, KNOWN, LOST, PAIRS, SEARCHES, Arm, dealt, metrics_of, row_of
 
 FEW = {"ours": Arm("ours"), KNOWN: Arm(KNOWN), "elsewhere": Arm("fusebot", 1, "other_pile")}
 
@@ -46,16 +46,24 @@ def test_a_way_whose_tags_cannot_be_has_no_value_and_says_why(row):
 
 def test_grasps_are_counted_one_by_one(row):
     assert all(value in (0.0, 1.0) for value in row["grasps_ours"])
-    assert row["removed_ours"] <= sum(row["grasps_ours"])
+    assert row["removed_ours"] == sum(row["grasps_ours"]) - row["found_ours"]  # the last one was the target
 
 
-@pytest.mark.parametrize("study", [SEARCHES, SEARCH_LEVELS, SEARCH_TAGS], ids=lambda study: study.name)
+@pytest.mark.parametrize("study", [SEARCHES, SEARCH_LEVELS, SEARCH_TAGS, SEARCH_GATES], ids=lambda study: study.name)
 def test_no_seed_serves_for_choosing_and_reporting(study):
     assert not set(study.seeds) & set(study.tuning_seeds)
     assert min(study.seeds) >= 1000
 
 
 def test_arms_are_known_ways_and_pairs_are_of_arms():
-    assert {arm.way for arm in ARMS.values()} <= {*METHODS, KNOWN}
+    assert {arm.way for arm in ARMS.values()} <= {*METHODS, *BOUNDS}
     assert {name for pair in PAIRS for name in pair} <= set(ARMS)
+    assert {name for pair in GATE_PAIRS for name in pair} == set(BY_GATE)
+    assert {arm.way for arm in BY_GATE.values()} <= set(METHODS)
+
+
+def test_a_share_of_tags_is_one_of_all_distractors():
+    scene = tiny()
+    counts = [len(dealt(Arm("fusebot", share), scene, 1).tags) for share in (0.0, 0.25, 0.5)]
+    assert counts == [round(share * (len(scene.items) - 1)) for share in (0.0, 0.25, 0.5)]
     assert np.all([arm.tags >= 0 for arm in ARMS.values()])
