@@ -119,10 +119,16 @@ class PileSearch:
         """Begin with nothing seen."""
         self._seen = VisualMap.empty(self.workspace)
 
-    def run(self) -> SearchResult:
-        """Search to the end, whatever that is."""
+    def run(self, watch: Callable[[SearchStep], object] | None = None) -> SearchResult:
+        """Search to the end, whatever that is.
+
+        Args:
+            watch: Called with each action once it is over.
+        """
         try:
             for step in self.steps():
+                if watch is not None:
+                    watch(step)
                 if step.attempt.success and step.attempt.shows_target:
                     return self._ended(FOUND, f"the target is in the drop zone after {len(self._done)} actions")
         except (NothingHidden, NothingToGrasp, OutOfReach, CameraBlocked) as why:

@@ -32,9 +32,11 @@ class TargetClass(StrEnum):
 
 
 def search_command(
-    policy: Annotated[str, typer.Option(help="Way of searching: ours, fusebot, xray, naive, ...")] = "ours",
+    policy: Annotated[
+        str, typer.Option(help="ours, fusebot, xray, naive, random, ...: docs/search.md.")
+    ] = "ours",
     piles: Annotated[int, typer.Option(min=1, max=3, help="Number of piles.")] = 1,
-    items: Annotated[int, typer.Option(min=3, help="Number of distractors, over all piles.")] = 10,
+    items: Annotated[int, typer.Option(min=3, max=60, help="Number of distractors, over all piles.")] = 10,
     tagged: Annotated[int, typer.Option(min=0, help="How many distractors carry a tag.")] = 0,
     tag_target: Annotated[bool, typer.Option(help="The target carries a tag, too.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="The pile and all noise follow from it.")] = 0,
@@ -64,13 +66,13 @@ def search_command(
                  "true_masks": true_masks}  # fmt: skip
         scene = make_pile(_family(way.value, piles, items), seed, target.value)
         tags = tagged_items_of(scene, "target" if tag_target else "any", tagged, seed)
-        carry = sum(tag.number != scene.target for tag in tags.tags)
+        asked["tags_dealt"] = carry = sum(tag.number != scene.target for tag in tags.tags)
         if carry < tagged:
             messages().print(f"only {carry} distractors can carry a tag", markup=False)
         method = search_method(policy, tags.target_size, seed)
         task = SearchTask(scene, tags, seed, absent=absent)
         run = SearchRun.of(replace(task, segmenter=None) if true_masks else task, method)
-        result = run.run()
+        result = run.run(_told)
         write_search(as_folder(run, result, asked), folder, overwrite=overwrite)
         film = folder / FILM_FILE
         messages().print(f"{result.message}; {result.elapsed_s:.0f} s of the arm; look at {film}", markup=False)
@@ -80,6 +82,12 @@ def search_command(
             print_json({**answer_json(result), "policy": policy, "tagged": carry, "run": str(folder)})
         if not result.found:
             raise typer.Exit(EXIT_NO_ANSWER)
+
+
+def _told(step: "SearchStep") -> None:
+    """Say what came of an action as soon as it is over."""
+    goal = "the target" if step.on_target else f"object {step.action.mask_label}"
+    messages().print(f"{step.elapsed_s:.0f} s: {goal}: {step.attempt.outcome}", markup=False)
 
 
 def _family(way: str, piles: int, items: int) -> Any:  # noqa: ANN401 - its type would import the simulation

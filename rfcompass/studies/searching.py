@@ -1,5 +1,6 @@
 """One search in a simulated pile, and what the truth says about it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +14,7 @@ from rfcompass.mapping import DepthSegmenter
 from rfcompass.simulation.piles import PileScene, TaggedItems, tag_items
 from rfcompass.studies.pile_robot import SimulatedPileRobot
 from rfcompass.studies.pile_scan import PILE_SAR, workspace
-from rfcompass.types import DepthView, InstanceMasks, SearchResult
+from rfcompass.types import DepthView, InstanceMasks, SearchResult, SearchStep
 
 SPACING_M = 0.01
 
@@ -97,9 +98,9 @@ class SearchRun:
         """Put a robot of its own over the pile."""
         return SearchRun(task, method, task.robot())
 
-    def run(self) -> SearchResult:
-        """Search to the end."""
-        return self.search.run()
+    def run(self, watch: Callable[[SearchStep], object] | None = None) -> SearchResult:
+        """Search to the end; `watch` is called with each action once it is over."""
+        return self.search.run(watch)
 
 
 def tagged_items_of(scene: PileScene, placement: str, count: int, seed: int, *, only_soft: bool = False) -> TaggedItems:

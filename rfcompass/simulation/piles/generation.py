@@ -23,6 +23,12 @@ from rfcompass.simulation.piles.world import PileWorld
 # How a try can end without a scene: piles that do not come to rest, no item of a target's size of the wanted class in
 # its pile, none any more once the other piles stand beside it, and scenes in which something gives way after a while.
 STAGES = ("unsettled", "target", "composed", "creeping")
+_WHY = {
+    "unsettled": "did not come to rest",
+    "target": "had no target of that kind",
+    "composed": "had none beside the other piles",
+    "creeping": "gave way after a while",
+}
 # Nothing in a scene may move further than this in two seconds in which nobody does anything [m]; ours.
 WORST_CREEP_M = 0.002
 
@@ -86,7 +92,8 @@ def make_pile(
             return replace(made, seed=seed, tries=number + 1)
         for tallied in (count, here):
             tallied.failed[made] += 1
-    message = f"no {target_class} target in {most_tries} tries of {kind.name} with seed {seed}: {here.failed}"
+    ended = ", ".join(f"{count} {_WHY[stage]}" for stage, count in here.failed.items() if count)
+    message = f"no {target_class} target in {most_tries} tries of {kind.name} with seed {seed}: {ended}"
     raise NoPile(message, tries=most_tries, stage=here.failed, seed=seed)
 
 
