@@ -128,10 +128,11 @@ class PileArm:
         T = read_only(T_world_tool, "T_world_tool", (4, 4))
         task = self._task(T)
         back_m = -ABOVE_M * task.approach if task.approach is not None else np.zeros(3)
-        above = self._reach(replace(task, point_m=task.point_m + back_m), start)
+        high = replace(task, point_m=task.point_m + back_m)
+        above = self._reach(high, start)
         if isinstance(above, Failure):
             return above
-        way = move_straight(self.ik, replace(task, point_m=task.point_m + back_m), _end(above), -back_m)
+        way = move_straight(self.ik, high, _end(above), -back_m, checker=self._checker)
         if isinstance(way, Failure):
             return way
         away = self._go(self._task(self._T_world_drop()), self._dropping, Configuration(way.path[0]))

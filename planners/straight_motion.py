@@ -51,7 +51,13 @@ class StraightMotion(Record):
 
 
 def move_straight(
-    ik: InverseKinematics, task: GraspTask, begin: Configuration, offset_m: FloatArray, tolerance_m: float = 5e-4
+    ik: InverseKinematics,
+    task: GraspTask,
+    begin: Configuration,
+    offset_m: FloatArray,
+    tolerance_m: float = 5e-4,
+    *,
+    checker: MotionChecker | None = None,
 ) -> StraightMotion | Failure:
     """Move the tool straight away from where it is, keeping its axes.
 
@@ -63,6 +69,7 @@ def move_straight(
         begin: Joints that do it.
         offset_m: Where to, from there [m], shape (3,).
         tolerance_m: How far the tool may leave the line [m].
+        checker: Of the same world, from an earlier motion; made if None, which takes longer than to check the path.
 
     Returns:
         The motion; or a failure: `"unreachable"` or `"joint_limit"` where the arm ends, `"scene_collision"` or
@@ -86,7 +93,7 @@ def move_straight(
         if deviation_m <= tolerance_m or count >= _MOST:
             break
         count *= 2
-    report = MotionChecker(ik.collisions).check_path(path)
+    report = (checker or MotionChecker(ik.collisions)).check_path(path)
     if not report.free and report.clearance is not None:
         failure = ik.blocked_by(task, report.clearance)
         return replace(failure, numbers=(*failure.numbers, ("at", report.at)))
