@@ -78,12 +78,12 @@ def test_stages_join_and_times_add_up() -> None:
     assert fetching.waiting_s == CLOSING_S
 
 
-def test_no_joint_is_faster_than_its_limit() -> None:
+def test_the_slowest_joint_moves_at_four_fifths_of_its_limit() -> None:
     limits = arm().ik.robot.limits.velocity
     for stage in motion(arm().fetch(grasp_at(0.2, -0.1, 0.05, 2.0), arm().resting)).stages:
         seconds = np.diff(stage.times_s)
-        moved = np.abs(np.diff(stage.joints, axis=0))
-        assert (moved <= limits * seconds[:, None] + 1e-9).all()
+        share = np.abs(np.diff(stage.joints, axis=0))[seconds > 0] / (limits * seconds[seconds > 0, None])
+        assert share.max(axis=1) == pytest.approx(0.8)
 
 
 def test_beyond_its_reach_the_arm_says_so() -> None:

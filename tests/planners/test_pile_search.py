@@ -170,9 +170,11 @@ def test_fifteen_actions_are_the_most() -> None:
     assert (result.outcome, result.actions) == ("too_many_actions", 15)
 
 
-def test_five_failures_in_a_row_end_it_but_not_five_in_all() -> None:
-    assert search(ScriptedRobot([MISSED])).run().actions == 5
-    script = [MISSED] * 4 + [HELD] + [MISSED] * 5
+@pytest.mark.parametrize("outcome", ["slipped", "missed", "blocked", "unreachable"])
+def test_five_failures_in_a_row_end_it_but_not_five_in_all(outcome: str) -> None:
+    failed = GraspAttempt(outcome, 0.0, 2.0)
+    assert search(ScriptedRobot([failed])).run().actions == 5
+    script = [failed] * 4 + [HELD] + [failed] * 5
     result = search(ScriptedRobot(script)).run()
     assert (result.outcome, result.actions, result.failed_grasps) == ("too_many_failures", 10, 9)
 
