@@ -160,8 +160,8 @@ def write(runs):
     text = "\n\n".join([
         "`rfcompass study run searches`: targets that no view of the scan sees; every method on the same piles, executed grasps,\n"
         "masks from depth. `0` and `8` are tags on distractors, `quarter` on one of four of them, `own` is a tag on the target.\n"
-        "Bounds: `known` is told where the target is, `others_known` where and how all other things lie. The paper prints p50 / p90 3 / 6 for FuseBot, 5 / 11 for X-Ray, 2 / 5 for a tagged target, found in 95, 84\n"
-        "and 95 %; 62 / 132 s and 142 / 237 s; naive 4 / 6.9.",
+        "Bounds: `known` is told where the target is, `others_known` where and how all other things lie. The paper prints p50 /\n"
+        "p90 3 / 6 for FuseBot, 5 / 11 for X-Ray, 2 / 5 for a tagged target, found in 95, 84 and 95 %; 62 / 132 s and 142 / 237 s; naive 4 / 6.9.",
         main_table(got),
         "### What the paper orders",
         orderings(got),
