@@ -19,8 +19,8 @@ def ggcnn_answer(
     """Turn the four outputs of a GG-CNN [Morrison2018] into what `NetworkGraspQuality` expects.
 
     Its angle is counted anticlockwise as one looks at the image, ours from columns to rows, clockwise. Its width is in
-    150 pixels, and its quality, a linear output, may leave [0, 1]. The published code smooths all three images after
-    that; do so before if you want to.
+    150 pixels, and its quality, a linear output, may leave [0, 1]. The published code smooths all three images
+    after that, which is left to you.
 
     Args:
         quality: Shape (H, W).

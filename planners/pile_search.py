@@ -144,7 +144,7 @@ class PileSearch:
             NothingHidden: If nothing is hidden and no target in sight.
             NothingToGrasp: If there is nothing left that could be taken.
             OutOfReach: If the arm cannot look where it should.
-            CameraBlocked: If an image shows nothing.
+            CameraBlocked: If an image that goes into the map shows nothing.
         """
         self._scan()
         while len(self._done) < self.rules.most_actions and self._failures < self.rules.most_failures:
@@ -319,7 +319,7 @@ class PileSearch:
         near = [epc for epc, fix in self._fixes.items() if np.linalg.norm(fix.point_m - point_m) < _MOVED_M]
         try:
             look = self.robot.look(point_m, NEAR_M, near)
-        except OutOfReach:  # the map stays as it was; what the policy looks at next is looked at anyway
+        except OutOfReach:  # the map stays as it was; the next image is taken before the next action
             self._in_sight = None
             return
         self._seen = _refreshed(self._seen, look.views, point_m, self.method.update_edge_m)

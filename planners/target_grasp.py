@@ -21,6 +21,8 @@ from rfcompass.types.record import Record
 _WORTH, _BESIDE_PX = 0.15, 6
 # Ours: an object so near to where a grasp was chosen, seen from above, is the one that it was chosen for [m].
 _SAME_M = 0.02
+# Ours: grasps so near to one that the arm cannot reach are not tried either [m].
+_UNREACHED_M = 0.02
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +141,7 @@ def without_near(view: DepthView, grasps: GraspMaps, point_m: FloatArray) -> Gra
         point_m: In the world [m], shape (3,).
     """
     off_m = np.linalg.norm(points_image(view)[..., :2] - np.asarray(point_m)[:2], axis=2)
-    return replace(grasps, quality=np.where(off_m < _SAME_M, 0.0, grasps.quality))
+    return replace(grasps, quality=np.where(off_m < _UNREACHED_M, 0.0, grasps.quality))
 
 
 def _best(quality: FloatArray, pixels: BoolArray) -> tuple[int, int]:

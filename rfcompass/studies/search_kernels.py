@@ -8,11 +8,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rfcompass.errors import PileError, PileUnsettled
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.studies.metric import SHARE, Metric
 from rfcompass.studies.pile_scenes import pile_scene
-from rfcompass.studies.searches import DIFFERS, LOST, TAGS, Arm, paper_values, run_arm
+from rfcompass.studies.searches import DIFFERS, LOST, TAGS, Arm, paper_values, result_or_why
 from rfcompass.studies.study import Cell, PaperValue, Study
 from rfcompass.types import SearchResult
 
@@ -30,10 +29,11 @@ def kernels_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[st
     scene = pile_scene(str(cell["family"]), seed)
     row: dict[str, MetricValue] = {"scene": scene.fingerprint}
     for name, arm in KERNELS.items():
-        try:
-            row |= judged(name, run_arm(arm, scene, seed))
-        except (PileUnsettled, PileError) as cannot:
-            row |= {f"{count}_{name}": None for count in ("found", *_COUNTS)} | {f"ended_{name}": cannot.kind}
+        result = result_or_why(arm, scene, seed)
+        if isinstance(result, str):
+            row |= {f"{count}_{name}": None for count in ("found", *_COUNTS)} | {f"ended_{name}": result}
+        else:
+            row |= judged(name, result)
     for metric in ("all_held", "all"):
         one, other = (row[f"{metric}_{name}"] for name in KERNELS)
         both = isinstance(one, float) and isinstance(other, float)

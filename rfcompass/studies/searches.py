@@ -34,20 +34,22 @@ class Arm(NamedTuple):
 
     Attributes:
         way: Name in `search_methods.METHODS`, or in `BOUNDS`.
-        tags: Number of tagged distractors, as far as there are items for them; below 1, their share of all of them.
+        tags: Number of tagged distractors, as far as there are items for them.
         placement: Where the tagged ones are, as in `tag_items`.
         only_soft: Whether only things that give way are tagged.
+        share: Of all distractors, how many are tagged beside those.
     """
 
     way: str
-    tags: float = 0
+    tags: int = 0
     placement: str = "any"
     only_soft: bool = False
+    share: float = 0.0
 
 
 ARMS: Mapping[str, Arm] = {
     "fusebot_0": Arm("fusebot"),
-    "fusebot_quarter": Arm("fusebot", 0.25),
+    "fusebot_quarter": Arm("fusebot", share=0.25),
     "fusebot_8": Arm("fusebot", TAGS),
     "fusebot_own": Arm("fusebot", 0, "target"),
     "fusebot_equal": Arm("fusebot_equal"),
@@ -99,15 +101,14 @@ DIFFERS = "real soft objects, human-built piles, networks for masks and grasps"
 BOUNDS: Mapping[str, Callable[[SimulatedPileRobot], Belief]] = {KNOWN: TruePlace, OTHERS_KNOWN: TrueOthers}
 
 
-def run_arm(arm: Arm, scene: PileScene, seed: int) -> SearchResult:
-    """Search a pile in one way.
+def run_arm(arm: Arm, scene: PileScene, tags: TaggedItems, seed: int) -> SearchResult:
+    """Search a pile in one way, with the tags that are `dealt`.
 
     Raises:
         PileUnsettled: If the simulation blew up.
-        PileError: If there are no items for the tags where they should be.
     """
-    task = SearchTask(scene, dealt(arm, scene, seed), seed)
-    robot, target = task.robot(), task.tags.target_size
+    task = SearchTask(scene, tags, seed)
+    robot, target = task.robot(), tags.target_size
     if arm.way in BOUNDS:
         method = replace(search_method("ours", target), name=arm.way, belief=BOUNDS[arm.way](robot))
     else:
@@ -121,8 +122,20 @@ def dealt(arm: Arm, scene: PileScene, seed: int) -> TaggedItems:
     Raises:
         PileError: If there are no items for them where they should be.
     """
-    count = arm.tags if arm.tags >= 1 else round(arm.tags * (len(scene.items) - 1))
-    return tagged_items_of(scene, arm.placement, int(count), seed, only_soft=arm.only_soft)
+    count = arm.tags + round(arm.share * (len(scene.items) - 1))
+    return tagged_items_of(scene, arm.placement, count, seed, only_soft=arm.only_soft)
+
+
+def result_or_why(arm: Arm, scene: PileScene, seed: int) -> SearchResult | str:
+    """Search a pile in one way; the kind of error where its tags or its physics cannot be, and only there."""
+    try:
+        tags = dealt(arm, scene, seed)
+    except PileError as cannot:
+        return cannot.kind
+    try:
+        return run_arm(arm, scene, tags, seed)
+    except PileUnsettled as cannot:
+        return cannot.kind
 
 
 def searches_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, MetricValue]:  # noqa: ARG001
@@ -142,16 +155,9 @@ def row_of(
     row: dict[str, MetricValue] = {"scene": scene.fingerprint}
     actions: dict[str, float | None] = {}
     for name, arm in arms.items():
-        try:
-            dealt(arm, scene, seed)
-        except PileError as cannot:
-            row |= _nothing(name, cannot.kind)
-            actions[name] = None
-            continue
-        try:
-            result = run_arm(arm, scene, seed)
-        except PileUnsettled as cannot:
-            row |= _nothing(name, cannot.kind)
+        result = result_or_why(arm, scene, seed)
+        if isinstance(result, str):
+            row |= _nothing(name, result)
             actions[name] = None
             continue
         row |= _judged(name, result)

@@ -38,8 +38,8 @@ def test_a_search_leaves_a_folder_that_says_what_it_printed(run, tmp_path):
 def test_a_target_that_is_not_there_is_no_answer_with_the_maps_verdict(run, tmp_path):
     ran = run("search", *SMALL, "--absent", "--out", tmp_path / "run", "--json")
     assert ran.code == 1
-    assert ran.json["failure"]["kind"] == ran.json["outcome"]
-    assert ran.json["failure"]["hidden_m3"] == ran.json["hidden_m3"]
+    assert ran.json["failure"]["kind"] == ran.json["outcome"] != "found"
+    assert ran.json["failure"]["hidden_m3"] == ran.json["hidden_m3"] >= 0
     assert (tmp_path / "run" / "view.html").is_file()
 
 

@@ -1,4 +1,4 @@
-"""Bounds of searches: what the simulator tells is true, and no method is better informed."""
+"""Bounds of searches: what the simulator tells is true, and sharper than the posterior."""
 
 import mujoco
 import numpy as np

@@ -23,7 +23,7 @@ def test_each_cell_is_searched_in_piles_of_its_own_class_and_family(cell, monkey
         asked.append({"family": family, "target_class": target_class})
         return tiny()
 
-    def refused(arm, scene, seed):
+    def refused(arm, scene, tags, seed):
         raise searches.PileUnsettled("blew up", simulated_s=1.0, creep_m=1.0)
 
     monkeypatch.setattr(searches, "pile_scene", asks)

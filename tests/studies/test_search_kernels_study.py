@@ -7,7 +7,8 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 
 from simulation.pile_scenes import tiny
 
-from rfcompass.studies import search_kernels
+from rfcompass.errors import PileUnsettled
+from rfcompass.studies import search_kernels, searches
 from rfcompass.studies.search_kernels import KERNELS, SEARCH_KERNELS
 from rfcompass.studies.searches import LOST, dealt
 from rfcompass.studies.trial import run_trial
@@ -52,10 +53,10 @@ def test_both_kernels_hear_the_same_tags_on_soft_things_alone(judged):
 def test_a_search_that_blows_up_has_no_value_and_says_why(judged, monkeypatch):
     monkeypatch.setattr(search_kernels, "pile_scene", lambda family, seed: tiny("partly"))
 
-    def refused(arm, scene, seed):
-        raise search_kernels.PileUnsettled("blew up", simulated_s=1.0, creep_m=1.0)
+    def refused(arm, scene, tags, seed):
+        raise PileUnsettled("blew up", simulated_s=1.0, creep_m=1.0)
 
-    monkeypatch.setattr(search_kernels, "run_arm", refused)
+    monkeypatch.setattr(searches, "run_arm", refused)
     row = SEARCH_KERNELS.trial(SEARCH_KERNELS.cells[0], 1, np.random.default_rng(0))
     assert set(row) == set(judged)
     assert row["ended_spherical"] == "PileUnsettled"

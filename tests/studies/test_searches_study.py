@@ -64,6 +64,6 @@ def test_arms_are_known_ways_and_pairs_are_of_arms():
 
 def test_a_share_of_tags_is_one_of_all_distractors():
     scene = tiny()
-    counts = [len(dealt(Arm("fusebot", share), scene, 1).tags) for share in (0.0, 0.25, 0.5)]
+    counts = [len(dealt(Arm("fusebot", share=share), scene, 1).tags) for share in (0.0, 0.25, 0.5)]
     assert counts == [round(share * (len(scene.items) - 1)) for share in (0.0, 0.25, 0.5)]
     assert np.all([arm.tags >= 0 for arm in ARMS.values()])
