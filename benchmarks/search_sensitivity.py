@@ -25,7 +25,7 @@ import numpy as np
 from planners.extraction.clusters import THRESHOLD
 from planners.extraction.scores import GAMMA, TAU
 from planners.search_method import SearchMethod
-from rfcompass.errors import NoPile, PileUnsettled, StudyError
+from rfcompass.errors import NoPile, StudyError
 from rfcompass.evaluation.statistics import bootstrap_interval
 from rfcompass.mapping import RfKernels
 from rfcompass.simulation.piles import PileScene
@@ -36,6 +36,7 @@ from rfcompass.studies.searches import LOST, TAGS
 from rfcompass.studies.searching import SPACING_M, SearchRun, SearchTask, tagged_items_of
 from rfcompass.types import ItemSize, SearchResult
 from rfcompass.types.record import Record
+from rfcompass.types.search import ARM_STOPPED
 
 FIRST_REPORTED = 1000  # seeds from here on are for results, and no constant may be looked at there
 
@@ -140,9 +141,8 @@ def search(constants: Constants, scene: PileScene, seed: int) -> SearchResult:
 
 def actions(constants: Constants, scene: PileScene, seed: int) -> float | None:
     """Actions until the target is found, 16 if it is not; None if the simulation blew up."""
-    try:
-        result = search(constants, scene, seed)
-    except PileUnsettled:
+    result = search(constants, scene, seed)
+    if result.outcome == ARM_STOPPED:
         return None
     return float(result.actions) if result.found else LOST
 

@@ -20,7 +20,7 @@ from planners.extraction import best_cluster
 from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
 from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp, without_near
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import CameraBlocked, InputError, NothingHidden, NothingToGrasp, OutOfReach
+from rfcompass.errors import ArmStopped, CameraBlocked, InputError, NothingHidden, NothingToGrasp, OutOfReach
 from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
 from rfcompass.mapping import RED, ColourRule, VisualMap, find_visible_target, map_views
 from rfcompass.types import (
@@ -39,6 +39,7 @@ from rfcompass.types import (
 from rfcompass.types.epc import canonical_epc
 from rfcompass.types.record import Record
 from rfcompass.types.search import (
+    ARM_STOPPED,
     CAMERA_BLOCKED,
     FOUND,
     NOTHING_HIDDEN,
@@ -57,6 +58,7 @@ _ENDS = {
     NothingToGrasp: NOTHING_TO_GRASP,
     OutOfReach: OUT_OF_REACH,
     CameraBlocked: CAMERA_BLOCKED,
+    ArmStopped: ARM_STOPPED,
 }
 Choice = TypeVar("Choice", ChosenGrasp, ChosenGrasp | None)
 
@@ -131,7 +133,7 @@ class PileSearch:
                     watch(step)
                 if step.attempt.success and step.attempt.shows_target:
                     return self._ended(FOUND, f"the target is in the drop zone after {len(self._done)} actions")
-        except (NothingHidden, NothingToGrasp, OutOfReach, CameraBlocked) as why:
+        except tuple(_ENDS) as why:
             return self._ended(next(end for kind, end in _ENDS.items() if isinstance(why, kind)), str(why))
         if self._failures >= self.rules.most_failures:
             return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
@@ -145,6 +147,7 @@ class PileSearch:
             NothingToGrasp: If there is nothing left that could be taken.
             OutOfReach: If the arm cannot look where it should.
             CameraBlocked: If an image that goes into the map shows nothing.
+            ArmStopped: If the arm stopped in the middle of a grasp.
         """
         self._scan()
         while len(self._done) < self.rules.most_actions and self._failures < self.rules.most_failures:

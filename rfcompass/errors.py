@@ -149,6 +149,10 @@ class CameraBlocked(NoAnswer):
     """A camera sees nothing, or only what stands right before it; carries `seen` pixels and their `median_m`."""
 
 
+class ArmStopped(NoAnswer):
+    """An arm stopped in the middle of a job, and goes on only once somebody has looked; carries `during` what."""
+
+
 class NothingHidden(NoAnswer):
     """Views looked into every voxel that they reached: nothing can be hidden; carries how many `voxels`."""
 

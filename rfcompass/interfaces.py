@@ -257,5 +257,9 @@ class PileRobot(Protocol):
         ...
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
-        """Go for an object and put what is held into the drop zone."""
+        """Go for an object and put what is held into the drop zone.
+
+        Raises:
+            ArmStopped: If nothing can be done any more: a protective stop, or a simulation that blew up.
+        """
         ...

@@ -9,7 +9,7 @@ from planners.ik import IkRules, InverseKinematics
 from planners.path_timing import in_time
 from planners.pile_arm import ArmMotion, PileArm, link_poses
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NoAnswer, OutOfReach, PileError
+from rfcompass.errors import ArmStopped, NoAnswer, OutOfReach, PileError, PileUnsettled
 from rfcompass.interfaces import Surveyor
 from rfcompass.robots import load_robot
 from rfcompass.simulation import AntennaTrack, inventory_scan
@@ -116,12 +116,19 @@ class SimulatedPileRobot:
         return isinstance(self._fetch(action), ArmMotion)
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
-        """Go for an object and put what is held into the drop zone."""
+        """Go for an object and put what is held into the drop zone.
+
+        Raises:
+            ArmStopped: If the simulation of the grasp blew up; the pile is as it was.
+        """
         self._grasps, self._looks = self._grasps + 1, 0
         motion = self._fetch(action)
         if isinstance(motion, Failure):
             return GraspAttempt(UNREACHABLE, action.aperture_m, 0.0, message=motion.message)
-        done = grasp_item(self.world, action.T_world_hand, action.aperture_m)
+        try:
+            done = grasp_item(self.world, action.T_world_hand, action.aperture_m)
+        except PileUnsettled as why:
+            raise ArmStopped(f"the arm stopped: {why}", during="grasp", **why.numbers) from why
         self._moved(motion)
         self.tables.append((self._elapsed_s, self.world.states))
         self.taken.extend(done.taken)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from planners.search_beliefs import Belief
-from rfcompass.errors import PileError, PileUnsettled
+from rfcompass.errors import PileError
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.simulation.piles import PileScene, TaggedItems
 from rfcompass.studies.metric import SHARE, Metric
@@ -22,6 +22,7 @@ from rfcompass.studies.search_methods import search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
 from rfcompass.studies.study import Cell, PaperValue, Study
 from rfcompass.types import SearchResult
+from rfcompass.types.search import ARM_STOPPED
 
 TAGS = 8
 LOST = 16.0  # actions that a search counts which did not find its target; one more than are allowed
@@ -102,11 +103,7 @@ BOUNDS: Mapping[str, Callable[[SimulatedPileRobot], Belief]] = {KNOWN: TruePlace
 
 
 def run_arm(arm: Arm, scene: PileScene, tags: TaggedItems, seed: int) -> SearchResult:
-    """Search a pile in one way, with the tags that are `dealt`.
-
-    Raises:
-        PileUnsettled: If the simulation blew up.
-    """
+    """Search a pile in one way, with the tags that are `dealt`."""
     task = SearchTask(scene, tags, seed)
     robot, target = task.robot(), tags.target_size
     if arm.way in BOUNDS:
@@ -127,15 +124,16 @@ def dealt(arm: Arm, scene: PileScene, seed: int) -> TaggedItems:
 
 
 def result_or_why(arm: Arm, scene: PileScene, seed: int) -> SearchResult | str:
-    """Search a pile in one way; the kind of error where its tags or its physics cannot be, and only there."""
+    """Search a pile in one way; a word on why not where its tags or its physics cannot be, and only there.
+
+    A search that the simulation broke off says nothing about the method.
+    """
     try:
         tags = dealt(arm, scene, seed)
     except PileError as cannot:
         return cannot.kind
-    try:
-        return run_arm(arm, scene, tags, seed)
-    except PileUnsettled as cannot:
-        return cannot.kind
+    result = run_arm(arm, scene, tags, seed)
+    return result.outcome if result.outcome == ARM_STOPPED else result
 
 
 def searches_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, MetricValue]:  # noqa: ARG001

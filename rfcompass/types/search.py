@@ -104,7 +104,7 @@ class PileLook(Record):
 
 FOUND, TOO_MANY_ACTIONS, TOO_MANY_FAILURES = "found", "too_many_actions", "too_many_failures"
 NOTHING_HIDDEN, NOTHING_TO_GRASP = "nothing_hidden", "nothing_to_grasp"
-OUT_OF_REACH, CAMERA_BLOCKED = "out_of_reach", "camera_blocked"
+OUT_OF_REACH, CAMERA_BLOCKED, ARM_STOPPED = "out_of_reach", "camera_blocked", "arm_stopped"
 SEARCH_ENDS = (
     FOUND,
     TOO_MANY_ACTIONS,
@@ -113,6 +113,7 @@ SEARCH_ENDS = (
     NOTHING_TO_GRASP,
     OUT_OF_REACH,
     CAMERA_BLOCKED,
+    ARM_STOPPED,
 )
 
 

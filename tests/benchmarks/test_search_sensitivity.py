@@ -12,7 +12,7 @@ from simulation.pile_scenes import tiny
 
 from benchmarks import search_sensitivity
 from benchmarks.search_sensitivity import DEFAULT, VALUES, main, method_of, task_of, tuning_seeds
-from rfcompass.errors import NoPile, PileUnsettled, StudyError
+from rfcompass.errors import NoPile, StudyError
 from rfcompass.studies.pile_scan import PILE_SAR
 from rfcompass.studies.search_methods import search_method
 from rfcompass.studies.searches import LOST
@@ -33,7 +33,7 @@ def stubbed(monkeypatch):
 
 
 def found(actions):
-    return SimpleNamespace(found=True, actions=actions)
+    return SimpleNamespace(found=True, actions=actions, outcome="found")
 
 
 def ran(capsys, *argv):
@@ -72,7 +72,7 @@ def test_seeds_of_the_report_and_what_is_no_range_are_refused_with_what_was_aske
 def test_a_difference_is_that_of_the_same_piles_and_a_lost_target_counts_sixteen(stubbed, capsys):
     def answer(constants, scene, seed):
         if constants.gamma == 0.95:
-            return SimpleNamespace(found=False, actions=15)
+            return SimpleNamespace(found=False, actions=15, outcome="too_many_actions")
         return found(5 + seed + (constants.gamma == 0.3))
 
     stubbed(answer)
@@ -90,7 +90,7 @@ def test_a_difference_is_that_of_the_same_piles_and_a_lost_target_counts_sixteen
 def test_a_search_that_blows_up_and_a_pile_that_cannot_be_made_are_no_pair(stubbed, monkeypatch, capsys):
     def answer(constants, scene, seed):
         if (seed, constants.tau) in ((0, DEFAULT.tau), (1, 0.25)):
-            raise PileUnsettled("blew up", simulated_s=1.0, creep_m=1.0)
+            return SimpleNamespace(found=False, actions=2, outcome="arm_stopped")
         return found(4)
 
     def scene(family, seed):

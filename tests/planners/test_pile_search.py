@@ -12,7 +12,7 @@ from planners.pile_search import PileSearch, SearchRules
 from planners.search_beliefs import PaperBelief, PosteriorBelief
 from planners.search_method import CLUSTER, NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import InputError, NothingToGrasp, OutOfReach
+from rfcompass.errors import ArmStopped, InputError, NothingToGrasp, OutOfReach
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import (
     DepthView,
@@ -65,6 +65,7 @@ class ScriptedRobot:
     blind: bool = False
     red_only_below_m: float = np.inf
     out_of_reach: int = 0
+    stops_at: int = 99
     elapsed_s: float = 0.0
     done: list[ExtractionAction] = field(default_factory=list)
     asked: list[ExtractionAction] = field(default_factory=list)
@@ -90,6 +91,8 @@ class ScriptedRobot:
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
         self.done.append(action)
+        if len(self.done) >= self.stops_at:
+            raise ArmStopped("protective stop", during="grasp")
         attempt = self.script[min(len(self.done), len(self.script)) - 1]
         self.elapsed_s += attempt.duration_s
         return attempt
@@ -437,6 +440,11 @@ def test_a_camera_that_sees_nothing_is_a_typed_end() -> None:
     robot.scan = lambda: replace(scan(), views=(dark,))  # type: ignore[method-assign]
     result = search(robot).run()
     assert (result.outcome, result.actions) == ("camera_blocked", 0)
+
+
+def test_an_arm_that_stops_ends_the_search_and_what_was_done_is_kept() -> None:
+    result = search(ScriptedRobot([HELD], stops_at=3)).run()
+    assert (result.outcome, result.actions, result.message) == ("arm_stopped", 2, "protective stop")
 
 
 def test_the_cost_of_the_last_failure_goes_by_the_rule_of_the_search() -> None:

@@ -13,6 +13,7 @@ from rfcompass.studies.search_classes import SEARCH_CLASSES
 from rfcompass.studies.search_figures import BY_LEVEL
 from rfcompass.studies.search_methods import search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
+from rfcompass.types import SearchResult
 
 
 @pytest.mark.parametrize("cell", SEARCH_CLASSES.cells, ids=lambda cell: "-".join(cell.values()))
@@ -23,15 +24,15 @@ def test_each_cell_is_searched_in_piles_of_its_own_class_and_family(cell, monkey
         asked.append({"family": family, "target_class": target_class})
         return tiny()
 
-    def refused(arm, scene, tags, seed):
-        raise searches.PileUnsettled("blew up", simulated_s=1.0, creep_m=1.0)
+    def stopped(arm, scene, tags, seed):
+        return SearchResult("arm_stopped", "blew up", (), 1.0, 1.0, 0)
 
     monkeypatch.setattr(searches, "pile_scene", asks)
-    monkeypatch.setattr(searches, "run_arm", refused)
+    monkeypatch.setattr(searches, "run_arm", stopped)
     row = SEARCH_CLASSES.trial(cell, 1, np.random.default_rng(0))
     assert asked == [cell]
     assert set(row) == {metric.name for metric in SEARCH_CLASSES.metrics}
-    assert {row[f"ended_{arm}"] for arm in BY_LEVEL} == {"PileUnsettled"}
+    assert {row[f"ended_{arm}"] for arm in BY_LEVEL} == {"arm_stopped"}
 
 
 def first_step(target_class):

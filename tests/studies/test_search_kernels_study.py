@@ -7,11 +7,11 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 
 from simulation.pile_scenes import tiny
 
-from rfcompass.errors import PileUnsettled
 from rfcompass.studies import search_kernels, searches
 from rfcompass.studies.search_kernels import KERNELS, SEARCH_KERNELS
 from rfcompass.studies.searches import LOST, dealt
 from rfcompass.studies.trial import run_trial
+from rfcompass.types import SearchResult
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +53,13 @@ def test_both_kernels_hear_the_same_tags_on_soft_things_alone(judged):
 def test_a_search_that_blows_up_has_no_value_and_says_why(judged, monkeypatch):
     monkeypatch.setattr(search_kernels, "pile_scene", lambda family, seed: tiny("partly"))
 
-    def refused(arm, scene, tags, seed):
-        raise PileUnsettled("blew up", simulated_s=1.0, creep_m=1.0)
+    def stopped(arm, scene, tags, seed):
+        return SearchResult("arm_stopped", "blew up", (), 1.0, 1.0, 0)
 
-    monkeypatch.setattr(searches, "run_arm", refused)
+    monkeypatch.setattr(searches, "run_arm", stopped)
     row = SEARCH_KERNELS.trial(SEARCH_KERNELS.cells[0], 1, np.random.default_rng(0))
     assert set(row) == set(judged)
-    assert row["ended_spherical"] == "PileUnsettled"
+    assert row["ended_spherical"] == "arm_stopped"
     assert row["less_all"] is None
 
 

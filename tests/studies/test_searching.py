@@ -10,7 +10,9 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 
 from simulation.pile_scenes import tiny
 
-from rfcompass.errors import InputError
+from rfcompass.errors import InputError, PileUnsettled
+from rfcompass.simulation.piles import ExecutedGrasp
+from rfcompass.studies import pile_robot
 from rfcompass.studies.pile_robot import READ_S
 from rfcompass.studies.pile_scan import PILE_SAR
 from rfcompass.studies.search_film import film_of
@@ -53,6 +55,22 @@ def test_the_same_search_gives_the_same_answer():
         step.action.T_world_hand.tolist() for step in other.steps
     ]
     assert (one.outcome, one.elapsed_s, one.hidden_m3) == (other.outcome, other.elapsed_s, other.hidden_m3)
+
+
+def test_physics_that_blows_up_ends_a_search_with_its_actions_and_the_pile_kept(monkeypatch):
+    run, calls = begin("ours"), []
+
+    def grasp_item(world, T_world_hand, aperture_m):
+        calls.append(len(world.items))
+        if len(calls) > 1:
+            raise PileUnsettled("the simulation of a grasp blew up", simulated_s=1.0, creep_m=np.inf)
+        return ExecutedGrasp("missed", (), 0.0, 0.0, False)
+
+    monkeypatch.setattr(pile_robot, "grasp_item", grasp_item)
+    result = run.run()
+    assert (result.outcome, result.actions, len(calls)) == ("arm_stopped", 1, 2)
+    assert result.message == "the arm stopped: the simulation of a grasp blew up"
+    assert len(run.robot.world.items) == calls[0]
 
 
 def test_methods_begin_with_the_same_map_of_the_same_pile():
