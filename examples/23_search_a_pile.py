@@ -1,8 +1,8 @@
 """Search a pile for a red thing that no camera sees: scan, map, take off what lies over it, until it is carried off.
 
-A UR5e goes round the table, asks two ways of searching where the thing may be and what to take next, and grasps in a
-physics simulation. You will see every action, what came of it, and how much space is left where the target could
-be, for FuseBot's rule and for ours on the same pile; and get `search.html`, a film with a slider (arm, pile, map,
+A UR5e goes round the table, asks a method where the thing may be and what to take next, and grasps in a physics
+simulation: twice on the same pile, FuseBot's way and ours. You will see every action of both, what came of it, and how
+much space is left where the target could be; and get, for ours, `search.html`, a film with a slider (arm, pile, map,
 grasps), and `report.html` with every decision. Needs MuJoCo (`pip install 'rfcompass[piles]'`). Takes 40 s.
 """
 

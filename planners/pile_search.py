@@ -64,7 +64,7 @@ Choice = TypeVar("Choice", ChosenGrasp, ChosenGrasp | None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SearchRules(Record):
+class PileSearchRules(Record):
     """When a search ends.
 
     Attributes:
@@ -107,7 +107,7 @@ class PileSearch:
     segmenter: Segmenter
     quality: GraspQuality
     sizes: Sequence[ItemSize] = ()
-    rules: SearchRules = field(default_factory=SearchRules)
+    rules: PileSearchRules = field(default_factory=PileSearchRules)
     _seen: VisualMap = field(init=False, repr=False)
     _fixes: dict[str, TagFix] = field(init=False, repr=False, default_factory=dict)
     _failed_m: list[FloatArray] = field(init=False, repr=False, default_factory=list)
@@ -131,7 +131,7 @@ class PileSearch:
             for step in self.steps():
                 if watch is not None:
                     watch(step)
-                if step.attempt.success and step.attempt.shows_target:
+                if step.attempt.shows_target:
                     return self._ended(FOUND, f"the target is in the drop zone after {len(self._done)} actions")
         except tuple(_ENDS) as why:
             return self._ended(next(end for kind, end in _ENDS.items() if isinstance(why, kind)), str(why))
@@ -188,7 +188,7 @@ class PileSearch:
         return self._target_step(view) or self._removal_step(view, grid)
 
     def _target_step(self, view: DepthView) -> SearchStep | None:
-        """Grasp the target if this view shows it."""
+        """Grasp the target if this view shows it, or first a neighbour or something surer; else None."""
         found = find_visible_target(view, self.rules.target_colour)
         if found is None or not len(found.points_m):
             return None

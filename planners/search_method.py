@@ -16,8 +16,8 @@ from rfcompass.types.record import Record
 
 CLUSTER, OVERHEAD = "cluster", "overhead"
 LOOKS = (CLUSTER, OVERHEAD)
-# Ours: height of the camera over the table where masks and grasps are computed, and after each grasp; and from where
-# one image shows all piles [m].
+# Ours: height of the camera over the table above the cluster, the chosen object, and each place that was grasped; and
+# from where one image shows all piles [m].
 NEAR_M, OVERHEAD_M = 0.60, 0.85
 # Ours: edge of what is looked at again by a method that uses all that the view shows [m].
 WHOLE_VIEW_M = 0.60
@@ -33,7 +33,8 @@ class SearchMethod(Record):
         belief: Where the target may be; None for a policy that needs no map. What nobody saw then stands for it.
         looks: `cluster`: from near above the likeliest part of the map. `overhead`: from where one image shows all.
         update_edge_m: Edge of the cube about a grasp that is looked at again after it [m]; 10 cm in the paper.
-        remembers: Whether the policy is told where grasps have failed.
+        remembers: Whether failed grasps count where an object and its grasp are chosen; a policy's own `remembers`, if
+            it has one, must be on as well.
         costs: What a failed grasp costs. With them, a grasp gives way to a surer one elsewhere where that costs less
             than the end of the search after too many failures in a row would; ours. None: never. For removals only
             where the method looks closer.

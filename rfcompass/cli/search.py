@@ -32,7 +32,9 @@ class TargetClass(StrEnum):
 
 
 def search_command(
-    policy: Annotated[str, typer.Option(help="ours, fusebot, xray, naive, random, ...: docs/search.md.")] = "ours",
+    policy: Annotated[
+        str, typer.Option(help="Method: ours, fusebot, xray, naive, random, ...: docs/search.md.")
+    ] = "ours",
     piles: Annotated[int, typer.Option(min=1, max=3, help="Number of piles.")] = 1,
     items: Annotated[int, typer.Option(min=3, max=60, help="Number of distractors, over all piles.")] = 10,
     tagged: Annotated[int, typer.Option(min=0, help="How many distractors carry a tag.")] = 0,

@@ -38,8 +38,9 @@ def search_method(name: str, target: ItemSize, seed: int = 0) -> SearchMethod:
 
     Args:
         name: One of `METHODS`.
-        target: What is sought. If it carries a tag, that tag is used by every method that has a map.
-        seed: Of the method `random`.
+        target: What is sought. If it carries a tag, that tag is used by every method whose belief is the paper's map
+            or the posterior.
+        seed: Of `random` and `random_gate`.
 
     Raises:
         InputError: If there is no such method.

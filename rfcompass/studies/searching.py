@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from planners.grasp_quality import AntipodalQuality
-from planners.pile_search import PileSearch, SearchRules
+from planners.pile_search import PileSearch, PileSearchRules
 from planners.search_method import SearchMethod
 from rfcompass.errors import InputError
 from rfcompass.interfaces import GraspQuality, Segmenter, Surveyor
@@ -51,7 +51,7 @@ class SearchTask:
     seed: int
     quality: GraspQuality = field(default_factory=AntipodalQuality)
     segmenter: Segmenter | None = field(default_factory=DepthSegmenter)
-    rules: SearchRules = field(default_factory=SearchRules)
+    rules: PileSearchRules = field(default_factory=PileSearchRules)
     spacing_m: float = SPACING_M
     absent: bool = False
     surveyor: Surveyor = PILE_SAR

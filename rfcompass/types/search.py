@@ -51,8 +51,9 @@ class GraspAttempt(Record):
     """What the hand felt when it went for something.
 
     Attributes:
-        outcome: `held`: it is in the drop zone. `slipped`: it was lifted and fell. `missed`: the jaws closed on
-            nothing. `blocked`: the hand met something on its way down. `unreachable`: the arm cannot go there.
+        outcome: `held`: it is in the drop zone. `slipped`: the jaws had it when they had closed, but not to the end.
+            `missed`: the jaws closed on nothing. `blocked`: the hand met something on its way down. `unreachable`: the
+            arm cannot go there.
         gap_m: Distance of the jaws when they had closed [m].
         duration_s: Time that the arm moved [s].
         shows_target: Whether what came into the drop zone has the target's colour.
@@ -122,9 +123,10 @@ class SearchStep(Record):
     """One action of a search: what was seen, what was believed, what was done, what came of it.
 
     Attributes:
-        view: The image in which the grasp was chosen.
+        view: The image in which the object was chosen; its grasp may come from a nearer one.
         masks: Objects in it.
-        grid: Where the target was thought to be; None where the method has no map.
+        grid: Where the target was thought to be, or what nobody saw if the method has no map; None where the target was
+            in sight.
         action: What was gone for.
         on_target: Whether that was the target itself, in sight.
         attempt: What came of it.

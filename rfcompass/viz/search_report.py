@@ -33,7 +33,7 @@ def write_search_report(path: Path, result: SearchResult, facts: Sequence[tuple[
     for number, step in enumerate(result.steps, start=1):
         parts.append(PageFigure(f"Action {number}: {_goes_for(step)}: {step.attempt.outcome}.", draw_decision(step)))
     parts.append(
-        "Left: the image in which the grasp was chosen, borders of objects, their scores (the largest ones, as share "
+        "Left: the image in which the object was chosen, borders of objects, their scores (the largest ones, as share "
         "of the best), the chosen object in red and the hand in blue. Right: where the target was thought to be, the "
         "sum over each column, and the hand."
     )

@@ -8,7 +8,7 @@ import pytest
 
 from planners import pile_search
 from planners.extraction import ActionCosts, Cluster
-from planners.pile_search import PileSearch, SearchRules
+from planners.pile_search import PileSearch, PileSearchRules
 from planners.search_beliefs import PaperBelief, PosteriorBelief
 from planners.search_method import CLUSTER, NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
 from rfcompass.arrays import FloatArray
@@ -346,7 +346,7 @@ def test_a_tag_that_no_database_knows_changes_nothing(belief: object) -> None:
 @pytest.mark.parametrize("name", ["most_actions", "most_failures"])
 def test_rules_under_which_no_search_can_begin_are_refused(name: str) -> None:
     with pytest.raises(InputError, match=name):
-        SearchRules(**{name: 0})
+        PileSearchRules(**{name: 0})
 
 
 def test_a_method_with_unknown_views_is_refused() -> None:
@@ -452,5 +452,5 @@ def test_the_cost_of_the_last_failure_goes_by_the_rule_of_the_search() -> None:
     robot = ScriptedRobot([MISSED])
     bare = search(robot, costs=ActionCosts(), looks=OVERHEAD, looks_closer=True, remembers=True)
     both = WithAStrip()
-    replace(bare, segmenter=both, quality=both, rules=SearchRules(most_failures=3)).run()
+    replace(bare, segmenter=both, quality=both, rules=PileSearchRules(most_failures=3)).run()
     assert [bool(abs(action.T_world_hand[0, 3]) > 0.1) for action in robot.done] == [False, True, True]
