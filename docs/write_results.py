@@ -282,6 +282,9 @@ def grasp_trials_table(runs):
     return figure_table(runs)
 
 
+VARIES = "Times of one machine vary by a factor of two from day to day: read the ratio."
+
+
 def bench_table(runs):
     """One line for each timing."""
     timings = json.loads((runs / "bench.json").read_text(encoding="utf-8"))["timings"]
@@ -464,7 +467,7 @@ def main(runs):
     PAGE.write_text("\n\n".join([HEAD.rstrip(), *parts, *shown]) + "\n", encoding="utf-8")
     text = README.read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    fast = f"<details><summary>How fast? <code>rfcompass bench</code>, ours and the peer's in one run</summary>\n\n{bench_table(runs)}"
+    fast = f"<details><summary>How fast? <code>rfcompass bench</code>, ours and the peer's in one run</summary>\n\n{VARIES}\n\n{bench_table(runs)}"
     shown = f"{headlines(runs)}\n\n{fast}\n\n</details>"
     README.write_text(f"{before}{BEGIN}\n\n{shown}\n\n{END}{after}", encoding="utf-8")
     write_grasp_trials(runs)
