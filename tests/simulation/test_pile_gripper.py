@@ -106,6 +106,29 @@ def test_a_cover_is_pinched() -> None:
     assert (done.outcome, done.taken, done.pinched) == ("held", (1,), True)
 
 
+@pytest.mark.parametrize("share", [-0.4, -0.2, 0.2, 0.4])
+@pytest.mark.parametrize("yaw_rad", [0.0, np.pi / 2])
+def test_a_cover_is_held_wherever_it_is_pinched(share: float, yaw_rad: float) -> None:
+    """By its end its middle rises less than the hand."""
+    world = world_of((item(1, "cover", 0.24, 0.15, 0.01), at(0, 0, 0.006)))
+    done = grasp_item(world, hand_at(share * 0.24, 0, 0.008, yaw_rad), 0.04)
+    assert (done.outcome, done.taken, world.items) == ("held", (1,), ())
+
+
+@pytest.mark.parametrize(
+    ("thing", "z_m", "tips_m"),
+    [(("box", 0.06, 0.05, 0.05), 0.025, 0.015), (("cover", 0.2, 0.15, 0.01), 0.006, 0.008)],
+)
+def test_the_slow_solver_says_what_the_fast_one_says(monkeypatch, thing, z_m: float, tips_m: float) -> None:
+    done = []
+    for tries in (gripper._TRIES[:1], gripper._TRIES[-2:]):
+        monkeypatch.setattr(gripper, "_TRIES", tries)
+        world = world_of((item(1, *thing), at(0, 0, z_m)))
+        done.append(grasp_item(world, hand_at(0, 0, tips_m, np.pi / 2), 0.085))
+    assert done[0].outcome == done[1].outcome == "held"
+    assert done[0].gap_m == pytest.approx(done[1].gap_m, abs=1e-3)
+
+
 def test_a_pinched_cover_is_lost_when_too_much_pulls() -> None:
     world = world_of((item(1, "cover", 0.20, 0.15, 0.01), at(0, 0, 0.006)))
     done = grasp_item(world, hand_at(0, 0, 0.008), 0.04, PileHand(pinch_holds_n=0.05))

@@ -8,6 +8,7 @@ both jaws touch it while they close, then it is tied to the hand there, until mo
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,18 +23,33 @@ from rfcompass.types.search import BLOCKED, HELD, MISSED, SLIPPED
 
 # A hand nearer than this to closed has nothing between its jaws [m].
 _CLOSED_M = 0.002
-# How much finer than the pile's steps are, and how long the contact solver may iterate, from try to try: pads need half
-# the step, and where light panels are jammed, finer steps alone do not help a solver that gives up.
-_TRIES = ((2, 100), (4, 100), (8, 100), (4, 500), (8, 500))
+
+
+class _Try(NamedTuple):
+    """How to simulate: how much finer than the pile's steps are, and how the contacts are solved."""
+
+    finer: int
+    iterations: int = 100
+    slow: bool = False
+
+
+# Tries, one after the other while the simulation blows up. Pads need half the pile's step. Where light panels are
+# jammed between stiff things, Newton's method diverges in any step; conjugate gradients do not, and are slow.
+_TRIES = (_Try(2), _Try(4), _Try(8), _Try(4, 500, slow=True), _Try(8, 500, slow=True))
 # Nothing in a pile falls so fast [m/s], or is thrown so far while all comes to rest [m]: such a simulation blew up,
-# whatever its numbers look like. Ours.
+# whatever its numbers look like.
 _TOO_FAST_M_S, _TOO_FAR_M = 5.0, 1.0
 # The descent begins so far above the highest thing so near to the hand's axis.
 _ABOVE_M, _AROUND_M = 0.02, 0.09
 # What is further from the hand's axis than this, and does not hang together with anything nearer, stays at rest.
-_NEAR_M = 0.15
+_MOVABLE_M = 0.15
 _RETREAT_M = 0.02  # of a hand that was blocked
-_CLOSING = 5  # looks at the jaws, 0.05 s apart, before they count as closed
+# A cover that is pinched at its end is lifted on by so much, so often, until it touches nothing any more.
+_CLEARING_M, _MOST_CLEARING = 0.02, 12
+# The jaws are driven shut; how often they are looked at, how long after one another, from which look on they count as
+# closed, and where they move less than that between two looks.
+_SHUT_M, _MOST_LOOKS, _LOOK_S, _CLOSING, _STILL_M = -0.02, 15, 0.05, 5, 5e-4
+_AT_REST_S, _HELD_S = 0.1, 0.2  # how long the hand stands when it is down, and when it has lifted
 _INSIDE_M = 0.001  # rays start so far inside a tip, which they do not see
 _SETTLE_S = 2.0  # what still creeps then is stopped, as every pile is before it is looked at
 
@@ -45,7 +61,7 @@ class ExecutedGrasp(Record):
     Attributes:
         outcome: `held`, `slipped`, `missed` or `blocked`, as in `GraspAttempt`.
         taken: Numbers of the items in the hand at the end, which are no longer on the table.
-        gap_m: Distance of the jaws when they had closed [m].
+        gap_m: Distance of the jaws when they had closed; as they were open where the hand was blocked [m].
         force_n: Largest vertical force on the way down [N].
         pinched: Whether a cover was pinched.
     """
@@ -80,9 +96,8 @@ def grasp_item(
         message = f"jaws {aperture_m} m apart: they open to {hand.opening_m} m"
         raise PileError(message, key="aperture_m", got=aperture_m)
     near = _about(world, T[:2, 3])
-    for finer, iterations in _TRIES:
-        run = _Run(near, T, aperture_m, hand, finer)
-        run.model.opt.iterations, run.model.opt.ls_iterations = iterations, iterations // 2
+    for one in _TRIES:
+        run = _Run(near, T, aperture_m, hand, one)
         done = run.grasp()
         if done is None:
             continue
@@ -116,7 +131,7 @@ class _BlewUp(Exception):
 class _Run:
     """One grasp in a copy of the pile."""
 
-    def __init__(self, world: PileWorld, T: FloatArray, aperture_m: float, hand: PileHand, finer: int) -> None:
+    def __init__(self, world: PileWorld, T: FloatArray, aperture_m: float, hand: PileHand, how: _Try) -> None:
         self._world, self._hand, self._engine = world, hand, load_mujoco()
         self._covers = [(item.number, panel) for item in world.items if item.kind == "cover" for panel in range(PANELS)]
         start_m = max(_top_about(world, T[:2, 3]) + TIP_M + _ABOVE_M, float(T[2, 3]))
@@ -127,7 +142,7 @@ class _Run:
         states = world.data.qpos
         self.data.qpos[: len(states)] = states
         self.data.qpos[-2:] = aperture_m / 2
-        self.model.opt.timestep = world.physics.timestep_s / finer
+        self.model.opt.timestep = world.physics.timestep_s / how.finer
         first = len(world.geom_numbers)
         self._left, self._right = first + GEOMS_OF_BODY, first + GEOMS_OF_BODY + 1
         self._dof = self.model.nv - 3
@@ -136,6 +151,10 @@ class _Run:
         free = self.model.jnt_dofadr[self.model.jnt_type == self._engine.mjtJoint.mjJNT_FREE]
         self._ways = (free[:, None] + np.arange(3)).ravel()
         self._engine.mj_forward(self.model, self.data)
+        # Only now: the first contacts are solved as they were when the pile came to rest.
+        self.model.opt.iterations, self.model.opt.ls_iterations = how.iterations, how.iterations // 2
+        if how.slow:
+            self.model.opt.solver = self._engine.mjtSolver.mjSOL_CG
 
     @property
     def states(self) -> dict[int, FloatArray]:
@@ -157,9 +176,11 @@ class _Run:
                 return self._sane(ExecutedGrasp(BLOCKED, (), self._gap_m(), self.force_n, False))
             if not self._tied:
                 self._close()
-            had, gap_m, before_m = self._between(0.05), self._gap_m(), self._heights_m()
+            had, gap_m, before_m = self._between(_LOOK_S), self._gap_m(), self._heights_m()
             self._go(self._hand.lift_m)
-            held = {n for n in self._between(0.2) if self._heights_m()[n] - before_m[n] > self._hand.lift_m / 2}
+            self._lift_clear()
+            after = self._between(_HELD_S)  # what is tied is in the hand, though the middle of a cover hangs low
+            held = {n for n in after if self._tied or self._heights_m()[n] - before_m[n] > self._hand.lift_m / 2}
         outcome = HELD if held else (SLIPPED if had else MISSED)
         return self._sane(ExecutedGrasp(outcome, tuple(sorted(held)), gap_m, self.force_n, self._tied))
 
@@ -179,7 +200,7 @@ class _Run:
                 return True
             if up_n > self._hand.blocked_n:
                 return False
-        self._wait(0.1)
+        self._wait(_AT_REST_S)
         self._pinch()
         return True
 
@@ -222,14 +243,34 @@ class _Run:
         return np.asarray(R.T @ (point_m - self.data.xpos[body]))
 
     def _close(self) -> None:
-        self.data.ctrl[1:] = -0.02
-        for k in range(15):
+        self.data.ctrl[1:] = _SHUT_M
+        for k in range(_MOST_LOOKS):
             before_m = self._gap_m()
-            self._wait(0.05)
+            self._wait(_LOOK_S)
             if self._touching(self._left) and self._touching(self._right) and self._pinch():
                 break
-            if k >= _CLOSING and abs(self._gap_m() - before_m) < 5e-4:
+            if k >= _CLOSING and abs(self._gap_m() - before_m) < _STILL_M:
                 break
+
+    def _lift_clear(self) -> None:
+        """Lift a pinched cover on until it hangs from the hand alone: an end of it may still lie on the pile."""
+        for _ in range(_MOST_CLEARING):
+            if not self._tied or self._hangs_free():
+                return
+            self._go(_CLEARING_M)
+
+    def _hangs_free(self) -> bool:
+        """Whether the cover that is tied touches nothing but the hand and itself."""
+        numbers, mine = self._world.geom_numbers, min(self._tied_covers())
+        for pair in self.data.contact.geom.reshape(-1, 2):
+            of = {int(numbers[geom]) for geom in pair if geom < len(numbers)}
+            if mine in of and of != {mine}:
+                return False
+        return True
+
+    def _tied_covers(self) -> set[int]:
+        """Numbers of the covers that are tied to the hand."""
+        return {self._covers[int(tie)][0] for tie in np.flatnonzero(self.data.eq_active[1:])}
 
     def _go(self, up_m: float) -> None:
         """Move the slide up by a way."""
@@ -268,9 +309,7 @@ class _Run:
             self._step(float(self.data.ctrl[0]))
             if self._gap_m() > _CLOSED_M:
                 found |= self._numbers(self._touching(self._left)) & self._numbers(self._touching(self._right))
-        if self._tied:
-            return {self._covers[int(tie)][0] for tie in np.flatnonzero(self.data.eq_active[1:])}
-        return found
+        return self._tied_covers() if self._tied else found
 
     def _heights_m(self) -> dict[int, float]:
         """Height of each item [m], by number."""
@@ -292,7 +331,7 @@ def _about(world: PileWorld, place_m: FloatArray) -> PileWorld:
 
     The other piles rest meanwhile, so that they need not be computed.
     """
-    todo = [item.number for item in world.items if _distance_m(world, item.number, place_m) < _NEAR_M]
+    todo = [item.number for item in world.items if _distance_m(world, item.number, place_m) < _MOVABLE_M]
     found = set(todo)
     while todo:
         more = world.touching(todo.pop()) - found

@@ -20,10 +20,10 @@ _BODY = (("box", (0.02, 0.06, 0.0225), (0.0, 0.0, -0.0675)), ("cylinder", (0.037
 GEOMS_OF_BODY = len(_BODY)
 FINGER_HALF_M, _FINGER_Z_M = (0.011, 0.006, 0.029), -0.016
 TIP_M = 0.013
-# Servo of the slide and of each finger.
+# Servo of the slide and of each finger; ours.
 _SLIDE_N_M, _SLIDE_N_S_M, _FINGER_N_M, _FINGER_N_S_M = 20_000.0, 400.0, 8_000.0, 250.0
 # Contacts of the pads are five times as quick as those between items: light things would sink centimetres into pads
-# that press with 40 N.
+# that press with 40 N. Ours.
 _PAD_S = 0.004
 _TIE_S = 0.04  # how quickly what ties a cover gives in; ours
 _HAND_GROUP = 3  # of geoms; items are in 0
