@@ -17,11 +17,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 from planners.grasp_number_kernels import CLOSING, PINCHING
-from planners.grasp_success import success_of
+from planners.grasp_success import CLOSING_WEIGHTS, PINCHING_WEIGHTS, success_of
 from rfcompass.arrays import BoolArray, FloatArray
 from rfcompass.types.search import HELD
 
 WAYS = {1: CLOSING, 2: PINCHING}
+SHIPPED = {1: CLOSING_WEIGHTS, 2: PINCHING_WEIGHTS}
 NAMES = {1: "closings", 2: "pinches"}
 BINS = (0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0)
 SHRINK, DRAWS = 1.0, 2000  # ridge penalty on the weights; bootstrap draws
@@ -84,6 +85,9 @@ def fit(rows: list[Row]) -> None:
         weights = slope * fitted(numbers, held) + np.append(np.zeros(len(names)), shift)
         print(f"{NAMES[kind]}: {len(mine)}, held {held.mean():.2f}, AUC on scenes left out {auc(z, held):.2f}")
         print("   slope there", round(float(slope), 2), "weights", tuple(float(w) for w in weights.round(2)))
+        now = np.c_[numbers, np.ones(len(held))] @ np.array(SHIPPED[kind])
+        slope, shift = fitted(now[:, None], held)
+        print(f"   shipped weights: AUC {auc(now, held):.2f}, to be scaled by {slope:.2f}, shifted by {shift:.2f}")
 
 
 def report(rows: list[Row]) -> None:

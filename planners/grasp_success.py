@@ -5,8 +5,8 @@ import numpy as np
 from rfcompass.arrays import FloatArray, IntArray
 
 # Weights of `grasp_number_kernels.CLOSING` and `PINCHING`, the constant last. All ours, fitted.
-CLOSING_WEIGHTS = (0.37, -0.49, 0.76, 0.67, 0.78, 1.36, -0.21, -1.38, -1.22, 0.45, -2.03)
-PINCHING_WEIGHTS = (0.88, -0.18, 1.51, 2.94, 1.07, -0.09, -2.17)
+CLOSING_WEIGHTS = (0.35, -0.47, 0.72, 0.64, 0.74, 1.30, -0.20, -1.32, -1.16, 0.43, -1.46)
+PINCHING_WEIGHTS = (0.18, -1.29, 8.64, 4.21, 3.65, -0.02, -7.87)
 
 
 def success_of(log_odds: FloatArray, kind: IntArray) -> FloatArray:
