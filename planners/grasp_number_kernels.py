@@ -35,6 +35,7 @@ PINCHING = (
 )
 LINES, MIDDLE, _APART_M, _STEP_M, STEPS = 5, 2, 0.005, 0.0025, 25
 REACH_M = (STEPS - 1) * _STEP_M
+# All numbers here are ours.
 # A side begins where the height is so near to the tips; the least depth of a grasp [m].
 _SIDE_M, LEAST_M = 0.002, 0.006
 # A finger that would come to lie so far within what was seen is stopped for certain [m].

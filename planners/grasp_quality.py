@@ -88,6 +88,10 @@ class AntipodalQuality:
         cell_m: Edge of a cell of the height map; ours [m].
         closing: Weights of the numbers of a closing, the constant last, shape (11,).
         pinching: Weights of the numbers of a pinch, the constant last, shape (7,).
+
+    Raises:
+        InputError: If there is no angle or depth to try, or no friction.
+        ShapeError: If there are more or fewer weights than numbers.
     """
 
     jaws: JawSizes = field(default_factory=JawSizes)
@@ -101,7 +105,12 @@ class AntipodalQuality:
     pinching: tuple[float, ...] = PINCHING_WEIGHTS
 
     def __post_init__(self) -> None:
-        """Check that each number has a weight."""
+        """Check that each number has a weight, and that there is something to try."""
+        if self.angles < 1 or not self.depths_m or not self.friction > 0 or not self.cell_m > 0:
+            message = "AntipodalQuality: without an angle, a depth, friction or an edge of cells there is no grasp"
+            raise InputError(message, got=[self.angles, list(self.depths_m), self.friction, self.cell_m])
+        if not all(np.isfinite(depth_m) and depth_m > 0 for depth_m in self.depths_m):
+            raise InputError(f"AntipodalQuality.depths_m: {self.depths_m} are no lengths", got=list(self.depths_m))
         for name, numbers in (("closing", CLOSING), ("pinching", PINCHING)):
             if len(weights := getattr(self, name)) != len(numbers) + 1:
                 message = f"AntipodalQuality.{name}: {len(weights)} weights, expected {len(numbers)} and the constant"
@@ -120,7 +129,7 @@ class AntipodalQuality:
         Args:
             view: A depth image.
             pixels: Where to look, shape (H, W); everywhere above the table if None.
-            angles_rad: Directions to try; `angles` even ones over half a turn if None.
+            angles_rad: Directions to try [rad], shape (A,); `angles` even ones over half a turn if None.
         """
         shape, points_m = view.depth_m.shape, points_image(view)
         with np.errstate(invalid="ignore"):

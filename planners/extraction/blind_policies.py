@@ -23,7 +23,7 @@ class RandomPolicy(MaskPolicy):
     seed: int = 0
 
     def values(self, scene: Scene) -> FloatArray:
-        """A number in (0, 1) for each candidate, shape (K,)."""
+        """A number in (0, 1] for each candidate, shape (K,)."""
         seen = hashlib.blake2b(scene.view.depth_m.tobytes(), digest_size=8).digest()
         rng = np.random.default_rng([self.seed, scene.failures, int.from_bytes(seen, "little")])
         return np.asarray(1.0 - rng.random(len(scene.candidates.labels)))

@@ -6,6 +6,7 @@ from planners.extraction.mask_policy import MaskPolicy, Scene
 from planners.extraction.projection import project_masks
 from planners.extraction.scores import GAMMA, mask_scores
 from rfcompass.arrays import FloatArray
+from rfcompass.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,6 +20,12 @@ class FuseBotPolicy(MaskPolicy):
 
     gamma: float = GAMMA
     per_column: bool = False
+
+    def __post_init__(self) -> None:
+        """Check τ and γ."""
+        MaskPolicy.__post_init__(self)
+        if not 0 < self.gamma <= 1:
+            raise InputError(f"FuseBotPolicy.gamma: {self.gamma} is not in (0, 1]", got=self.gamma)
 
     def values(self, scene: Scene) -> FloatArray:
         """s_i of each candidate, shape (K,)."""
