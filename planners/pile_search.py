@@ -49,7 +49,7 @@ from rfcompass.types.search import (
     TOO_MANY_FAILURES,
 )
 
-# Ours: a tag so near to a grasp may have moved, and is taken from where it is heard next [m].
+# Ours: a tag so near to a grasp may have moved, and is listened to again [m].
 _MOVED_M = 0.15
 # Ours: how often another grasp is chosen because the arm cannot go there.
 _MOST_ELSEWHERE = 8
@@ -94,10 +94,13 @@ class PileSearch:
         method: How to search.
         target: What is sought: its edges.
         sizes: What the database says about tagged items.
-        workspace: What is mapped.
+        workspace: What is mapped, and how high the table is.
         segmenter: Tells objects apart.
         quality: Scores grasps.
         rules: When to end.
+
+    Raises:
+        InputError: If segmenter or quality have a `table_m` that is not the workspace's.
     """
 
     robot: PileRobot
@@ -118,7 +121,13 @@ class PileSearch:
     _in_sight: PileLook | None = field(init=False, repr=False, default=None)
 
     def __post_init__(self) -> None:
-        """Begin with nothing seen."""
+        """Begin with nothing seen; check that all who know of a table mean the same one."""
+        expected_m = self.workspace.table_m
+        for part in (self.segmenter, self.quality):
+            table_m = getattr(part, "table_m", expected_m)
+            if not np.isclose(table_m, expected_m, rtol=0, atol=1e-6):
+                message = f"{type(part).__name__} has its table at {table_m} m, the workspace at {expected_m} m"
+                raise InputError(message, got=table_m, expected=expected_m)
         self._seen = VisualMap.empty(self.workspace)
 
     def run(self, watch: Callable[[SearchStep], object] | None = None) -> SearchResult:
@@ -127,13 +136,18 @@ class PileSearch:
         Args:
             watch: Called with each action once it is over.
         """
+        told = 0
         try:
             for step in self.steps():
                 if watch is not None:
                     watch(step)
+                told += 1
                 if step.attempt.shows_target:
                     return self._ended(FOUND, f"the target is in the drop zone after {len(self._done)} actions")
         except tuple(_ENDS) as why:
+            if watch is not None:
+                for step in self._done[told:]:  # over, though what comes after it failed
+                    watch(step)
             return self._ended(next(end for kind, end in _ENDS.items() if isinstance(why, kind)), str(why))
         if self._failures >= self.rules.most_failures:
             return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
@@ -171,7 +185,7 @@ class PileSearch:
         self._located = sum(fix.confident for fix in self._fixes.values())
 
     def _hear(self, fixes: Sequence[TagFix]) -> None:
-        """Keep the best fix of each tag: a confident one is not lost to one that is not."""
+        """Keep the last confident fix of each tag; of one that never had any, the first."""
         for fix in fixes:
             epc = canonical_epc(fix.epc)
             if fix.confident or epc not in self._fixes:
@@ -180,7 +194,7 @@ class PileSearch:
     def _step(self) -> SearchStep:
         """Grasp the target if it is in sight; else take off what the policy chooses."""
         if (middle_m := self._target_in_sight()) is not None:
-            step = self._target_step(self.robot.look(middle_m, NEAR_M).views[0])
+            step = self._target_step(self._near_or_overhead(middle_m))
             if step is not None:
                 return step
         grid = self._believed()
@@ -287,8 +301,14 @@ class PileSearch:
         """The image in which the next grasp is chosen."""
         if self.method.looks == OVERHEAD:
             return self._overhead()
-        middle_m = best_cluster(grid, self.method.cluster_threshold).point_m
-        return self.robot.look(middle_m, NEAR_M).views[0]
+        return self._near_or_overhead(best_cluster(grid, self.method.cluster_threshold).point_m)
+
+    def _near_or_overhead(self, point_m: FloatArray) -> DepthView:
+        """The image from near above a place; that of all if the arm cannot look from there."""
+        try:
+            return self.robot.look(point_m, NEAR_M).views[0]
+        except OutOfReach:
+            return self._overhead()
 
     def _overhead(self) -> DepthView:
         """The image that shows all piles."""
@@ -350,7 +370,4 @@ class PileSearch:
 
 def _refreshed(seen: VisualMap, views: Sequence[DepthView], point_m: FloatArray, edge_m: float) -> VisualMap:
     """The map with a cube looked at again; as it was if the hand was beside all that is mapped."""
-    try:
-        return seen.refreshed(views, point_m, edge_m)
-    except InputError:
-        return seen
+    return seen.refreshed(views, point_m, edge_m) if seen.meets_cube(point_m, edge_m) else seen

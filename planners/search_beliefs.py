@@ -39,7 +39,7 @@ class Belief(Protocol):
         Args:
             seen: All views so far.
             target: Its edges.
-            fixes: The last fix of each tag that is still on the table, by EPC.
+            fixes: Where each tag is that is still on the table, by EPC: its last confident fix, or its first.
             sizes: What the database says about tagged items.
 
         Raises:

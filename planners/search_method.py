@@ -34,7 +34,7 @@ class SearchMethod(Record):
         looks: `cluster`: from near above the likeliest part of the map. `overhead`: from where one image shows all.
         update_edge_m: Edge of the cube about a grasp that is looked at again after it [m]; 10 cm in the paper.
         remembers: Whether failed grasps count where an object and its grasp are chosen; a policy's own `remembers`, if
-            it has one, must be on as well.
+            it has one, must be on as well. What failed on a target in sight since the last success counts either way.
         costs: What a failed grasp costs. With them, a grasp gives way to a surer one elsewhere where that costs less
             than the end of the search after too many failures in a row would; ours. None: never. For removals only
             where the method looks closer.

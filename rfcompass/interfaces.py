@@ -222,6 +222,7 @@ class ExtractionPolicy(Protocol):
 
         Raises:
             NothingToGrasp: If the view shows no object that has a depth.
+            CameraBlocked: If a policy that looks at the image itself finds nothing in it.
         """
         ...
 

@@ -153,7 +153,10 @@ class VisualMap(Record):
             InputError: If no voxel has its centre in the cube, or a camera stands below the table top.
             CameraBlocked: If a camera sees nothing, or only what stands right before it.
         """
-        cube = self._cube(np.asarray(point_m, dtype=np.float64), edge_m)
+        if not self.meets_cube(point_m, edge_m):
+            message = f"no voxel of the workspace lies in the cube of {edge_m} m about {list(point_m)} m"
+            raise InputError(message, point_m=np.asarray(point_m).tolist(), edge_m=edge_m)
+        cube = self._cube(point_m, edge_m)
         first = (cube[0].start, cube[1].start, cube[2].start)
         state, log_odds = self.state.copy(), None if self.log_odds is None else self.log_odds.copy()
         fresh = np.full(state[cube].shape, OUTSIDE, dtype=np.uint8)
@@ -183,17 +186,23 @@ class VisualMap(Record):
         steps = np.array([self.rule.surface, self.rule.free, self.rule.least, self.rule.most])
         add_log_odds(state, log_odds, P, depth_m, half_m, steps)
 
+    def meets_cube(self, point_m: FloatArray, edge_m: float) -> bool:
+        """Tell whether any voxel has its centre in a cube.
+
+        Args:
+            point_m: Middle of the cube, in the world frame [m], shape (3,).
+            edge_m: Edge of the cube [m].
+        """
+        return all(side.stop > side.start for side in self._cube(point_m, edge_m))
+
     def _cube(self, point_m: FloatArray, edge_m: float) -> tuple[slice, slice, slice]:
-        """Voxels with their centres in a cube."""
+        """Voxels with their centres in a cube; none where they do not meet."""
         place, reach = (
-            (point_m - self.workspace.origin_m) / self.workspace.spacing_m,
+            (np.asarray(point_m, dtype=np.float64) - self.workspace.origin_m) / self.workspace.spacing_m,
             edge_m / 2 / self.workspace.spacing_m,
         )
         low = np.clip(np.ceil(place - reach - 1e-9), 0, self.workspace.shape).astype(np.int64)
         high = np.clip(np.floor(place + reach + 1e-9) + 1, 0, self.workspace.shape).astype(np.int64)
-        if not (high > low).all():
-            message = f"no voxel of the workspace lies in the cube of {edge_m} m about {point_m.tolist()} m"
-            raise InputError(message, point_m=point_m.tolist(), edge_m=edge_m)
         x, y, z = (slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
         return x, y, z
 

@@ -273,6 +273,63 @@ def test_a_table_that_the_arm_cannot_go_round_is_a_typed_end() -> None:
     assert (result.outcome, result.actions, result.hidden_m3) == ("out_of_reach", 0, 0.0)
 
 
+@pytest.mark.parametrize("red_from", [0, 99])
+def test_where_the_arm_cannot_look_from_near_the_image_of_all_will_do(red_from: int) -> None:
+    class High(ScriptedRobot):
+        """Cannot come near the table."""
+
+        def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+            if height_m < OVERHEAD_M:
+                raise OutOfReach("too low")
+            return super().look(point_m, height_m, epcs)
+
+    robot = High([FOUND], red_from)
+    assert (search(robot).run().outcome, robot.heights_m) == ("found", [OVERHEAD_M])
+
+
+def test_a_camera_below_the_table_is_not_passed_over() -> None:
+    class Low(ScriptedRobot):
+        """Its frames are wrong after a grasp."""
+
+        def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+            look = super().look(point_m, height_m, epcs)
+            if not self.done:
+                return look
+            low = look.views[0].T_world_camera.copy()
+            low[2, 3] = -0.5
+            return PileLook((replace(look.views[0], T_world_camera=low),))
+
+    with pytest.raises(InputError, match="table"):
+        search(Low([HELD, FOUND])).run()
+
+
+@pytest.mark.parametrize("part", ["segmenter", "quality"])
+def test_parts_that_know_another_table_are_refused(part: str) -> None:
+    @dataclass
+    class OnADesk:
+        table_m: float
+
+    begun = search(ScriptedRobot([FOUND]))
+    assert replace(begun, **{part: OnADesk(0.0)}).workspace.table_m == 0.0
+    with pytest.raises(InputError, match=r"0\.75"):
+        replace(begun, **{part: OnADesk(0.75)})
+
+
+def test_each_action_is_told_also_the_one_after_which_the_camera_is_blocked() -> None:
+    class GoesBlind(ScriptedRobot):
+        """Sees nothing after a grasp."""
+
+        def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+            look = super().look(point_m, height_m, epcs)
+            dark = replace(look.views[0], depth_m=np.full((H, W), np.nan))
+            return PileLook((dark,)) if self.done else look
+
+    told: list[object] = []
+    result = search(GoesBlind([HELD, FOUND])).run(told.append)
+    assert (result.outcome, result.actions) == ("camera_blocked", 1)
+    assert tuple(told) == result.steps
+
+
 def test_a_method_that_looks_closer_does_so_before_each_removal() -> None:
     near, far = (ScriptedRobot([HELD, FOUND]) for _ in range(2))
     search(near, looks_closer=True).run()
