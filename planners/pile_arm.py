@@ -39,7 +39,8 @@ class ArmMotion(Record):
     Attributes:
         stages: Motions, each beginning where the last ends.
         waiting_s: Time in which the arm stands and the hand closes [s].
-        T_world_link: Where the link that was moved stands at the end, in the world, shape (4, 4).
+        T_world_link: What the motion is for, in the world, shape (4, 4): the pose of the camera where it looks, of the
+            tool where it grasps.
     """
 
     stages: tuple[TimedPath, ...]
@@ -99,7 +100,7 @@ class PileArm:
 
         Args:
             point_m: In the world [m], shape (3,).
-            height_m: Height of the camera over the table [m]; if the arm cannot, up to 20 cm lower.
+            height_m: Height of the camera over the table [m]; if the arm cannot, up to 20 cm lower or 5 cm higher.
             start: Joints now.
 
         Returns:
@@ -114,6 +115,17 @@ class PileArm:
                 return ArmMotion((answer,), 0.0, T)
             why = answer
         return why
+
+    def move_to(self, goal: Configuration, start: Configuration) -> TimedPath | Failure:
+        """Bring the joints to where a planned way begins.
+
+        Args:
+            goal: Joints there.
+            start: Joints now.
+        """
+        tool = self.ik.robot.tool
+        T_base_tool = self.ik.robot.tool_pose(goal).homogeneous
+        return self._go(GraspTask.of_pose(T_base_tool, tool.approach_axis, tool.closing_axis), goal, start)
 
     def fetch(self, T_world_tool: FloatArray, start: Configuration) -> ArmMotion | Failure:
         """Go straight down to a grasp, close, go straight up, carry what is held to the drop zone.
@@ -223,6 +235,15 @@ def _end(path: TimedPath) -> Configuration:
 
 
 def link_poses(arm: PileArm, path: FloatArray | Sequence[FloatArray], link: str) -> FloatArray:
-    """Where a link of the arm is at each row of a path, in the world, shape (A, 4, 4)."""
+    """Where a link of the arm is at each row of a path.
+
+    Args:
+        arm: The arm, with its place in the world.
+        path: Joints [rad], shape (A, Q).
+        link: Name of the link.
+
+    Returns:
+        Homogeneous poses in the world, shape (A, 4, 4).
+    """
     robot = arm.ik.robot
     return np.array([arm.T_world_base @ robot.link_pose(Configuration(row), link).homogeneous for row in path])

@@ -125,6 +125,7 @@ def step_json(number: int, step: "SearchStep") -> dict[str, Any]:
         "aperture_m": step.action.aperture_m,
         "score": step.action.score,
         "outcome": step.attempt.outcome,
+        "message": step.attempt.message,
         "gap_m": step.attempt.gap_m,
         "shows_target": step.attempt.shows_target,
         "tags_removed": list(step.attempt.epcs),

@@ -13,13 +13,22 @@ from rfcompass.errors import ArmStopped, NoAnswer, OutOfReach, PileError, PileUn
 from rfcompass.interfaces import Surveyor
 from rfcompass.robots import load_robot
 from rfcompass.simulation import AntennaTrack, inventory_scan
-from rfcompass.simulation.piles import PileCamera, PileScene, PileWorld, TaggedItems, grasp_item, hear_tags
+from rfcompass.simulation.piles import (
+    ExecutedGrasp,
+    PileCamera,
+    PileScene,
+    PileWorld,
+    TaggedItems,
+    grasp_item,
+    hear_tags,
+)
 from rfcompass.simulation.piles.scanning import FRAME
 from rfcompass.studies.pile_scan import ANTENNA, CAMERA, PILE_SAR, ROBOT, SEARCH, T_WORLD_BASE, WristWay, wrist_way
 from rfcompass.types import DepthView, ExtractionAction, GraspAttempt, InstanceMasks, PileLook, TagFix
+from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import Failure
-from rfcompass.types.motions import REACH
-from rfcompass.types.search import HELD, UNREACHABLE
+from rfcompass.types.motions import REACH, RETREAT
+from rfcompass.types.search import BLOCKED, HELD, UNREACHABLE
 from rfcompass.types.world import World
 
 # Ours: where the hand opens, beside the table, in the world; time to hear all tags at one antenna position; distance
@@ -27,7 +36,7 @@ from rfcompass.types.world import World
 DROP_M = (0.60, -0.30, 0.35)
 READ_S = 0.10
 _APART_M, _FEWEST = 0.03, 6
-_REMEMBERED = 12  # views whose true masks are kept
+_REMEMBERED = 12  # views whose true masks are kept; ours
 
 
 def pile_arm() -> PileArm:
@@ -90,16 +99,29 @@ class SimulatedPileRobot:
         return self._elapsed_s
 
     def scan(self) -> PileLook:
-        """Go round the table once with camera and antennas."""
+        """Go round the table once with camera and antennas; without tags to hear, only as far as the last image.
+
+        Raises:
+            OutOfReach: If the arm cannot go to where the way begins.
+        """
         rng = self._rng(1)
+        last_image = int(self.way.motion.stops[len(self.way.camera_poses) - 1])
+        path = self.way.motion.path if self.tags.tags else self.way.motion.path[: last_image + 1]
+        to_begin = self.arm.move_to(Configuration(path[0]), self._joints)
+        if isinstance(to_begin, Failure):
+            raise OutOfReach(f"the arm cannot begin its scan: {to_begin.message}", **dict(to_begin.numbers))
+        self._moved(ArmMotion((to_begin,), 0.0, self.way.camera_poses[0]))
         views = [self._view(T) for T in self.way.camera_poses]
-        motion = in_time(self.way.robot, REACH, self.way.motion.path)
-        listens = len(self.way.track) if self.tags.tags else 0
-        self._moved(_reading(ArmMotion((motion,), 0.0, self.way.camera_poses[-1]), listens))
+        around = ArmMotion((in_time(self.way.robot, REACH, path),), 0.0, self.way.camera_poses[-1])
+        self._moved(_reading(around, len(self.way.track)) if self.tags.tags else around)
         return PileLook(tuple(views), self._located(self.way.track, rng))
 
     def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
-        """Take an image from above a point, and listen to some tags on the way there."""
+        """Take an image from above a point, and listen to some tags on the way there.
+
+        Raises:
+            OutOfReach: If the arm cannot look from there.
+        """
         motion = self.arm.look_at(point_m, height_m, self._joints)
         if isinstance(motion, Failure):
             raise OutOfReach(f"the arm cannot look at the pile: {motion.message}", **dict(motion.numbers))
@@ -116,7 +138,7 @@ class SimulatedPileRobot:
         return isinstance(self._fetch(action), ArmMotion)
 
     def grasp(self, action: ExtractionAction) -> GraspAttempt:
-        """Go for an object and put what is held into the drop zone.
+        """Go for an object and put what is held into the drop zone; an empty hand stays above the place.
 
         Raises:
             ArmStopped: If the simulation of the grasp blew up; the pile is as it was.
@@ -129,10 +151,10 @@ class SimulatedPileRobot:
             done = grasp_item(self.world, action.T_world_hand, action.aperture_m)
         except PileUnsettled as why:
             raise ArmStopped(f"the arm stopped: {why}", during="grasp", **why.numbers) from why
+        held, motion = done.outcome == HELD, _as_it_went(motion, done)
         self._moved(motion)
         self.tables.append((self._elapsed_s, self.world.states))
         self.taken.extend(done.taken)
-        held = done.outcome == HELD
         there = {tag.number: tag.epc for tag in self.tags.tags}
         return GraspAttempt(
             done.outcome,
@@ -140,10 +162,15 @@ class SimulatedPileRobot:
             motion.duration_s,
             shows_target=held and self.scene.target in done.taken,
             epcs=tuple(there[number] for number in done.taken if number in there) if held else (),
+            message="" if held else _felt(done),
         )
 
     def true_masks(self, view: DepthView) -> InstanceMasks:
-        """Which item each pixel of one of the last views shows: truth, for studies that say that they use it."""
+        """Which item each pixel of one of the last views shows: truth, for studies that say that they use it.
+
+        Raises:
+            ValueError: If it is none of them.
+        """
         for seen, masks in reversed(self._shown):
             if seen is view:
                 return masks
@@ -193,11 +220,28 @@ class SimulatedPileRobot:
         except PileError:  # all of them have rolled off the table
             return ()
         for epc in wanted:
+            if epc not in scan.traces:  # never heard
+                continue
             try:
                 fixes.append(self.surveyor.locate(scan.traces[epc], SEARCH))
-            except (NoAnswer, KeyError):  # too few reads, or none
+            except NoAnswer:  # too few reads
                 continue
         return tuple(fixes)
+
+
+def _as_it_went(motion: ArmMotion, done: ExecutedGrasp) -> ArmMotion:
+    """What was done of a planned fetch: an empty hand is not carried away, a blocked one does not close."""
+    if done.outcome == HELD:
+        return motion
+    stages = tuple(stage for stage in motion.stages if stage.stage != RETREAT)
+    return replace(motion, stages=stages, waiting_s=0.0 if done.outcome == BLOCKED else motion.waiting_s)
+
+
+def _felt(done: ExecutedGrasp) -> str:
+    """Why nothing is in the drop zone, as far as a hand can tell."""
+    if done.outcome == BLOCKED:
+        return f"{done.force_n:.0f} N on the way down"
+    return f"jaws {1000 * done.gap_m:.0f} mm apart once they had closed"
 
 
 def _reading(motion: ArmMotion, positions: int) -> ArmMotion:

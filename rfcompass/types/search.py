@@ -54,7 +54,7 @@ class GraspAttempt(Record):
         outcome: `held`: it is in the drop zone. `slipped`: the jaws had it when they had closed, but not to the end.
             `missed`: the jaws closed on nothing. `blocked`: the hand met something on its way down. `unreachable`: the
             arm cannot go there.
-        gap_m: Distance of the jaws when they had closed [m].
+        gap_m: Distance of the jaws when they had closed; as they were open where they did not [m].
         duration_s: Time that the arm moved [s].
         shows_target: Whether what came into the drop zone has the target's colour.
         epcs: Tags that answered in the drop zone.
