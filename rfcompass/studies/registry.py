@@ -23,7 +23,6 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.searches:SEARCHES",
     "rfcompass.studies.search_figures:SEARCH_LEVELS",
     "rfcompass.studies.search_figures:SEARCH_TAGS",
-    "rfcompass.studies.search_figures:SEARCH_GATES",
     "rfcompass.studies.search_kernels:SEARCH_KERNELS",
     "rfcompass.studies.search_classes:SEARCH_CLASSES",
     "rfcompass.studies.grasp_trials:GRASP_TRIALS",

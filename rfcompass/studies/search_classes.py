@@ -13,7 +13,7 @@ from rfcompass.evaluation.records import MetricValue
 from rfcompass.simulation.piles import TARGET_CLASSES
 from rfcompass.studies.pile_scenes import FAMILIES
 from rfcompass.studies.search_figures import BY_LEVEL, LEVEL_PAIRS
-from rfcompass.studies.searches import metrics_of, row_of
+from rfcompass.studies.searches import TUNED_BELOW, metrics_of, row_of
 from rfcompass.studies.study import Cell, Study
 
 
@@ -28,7 +28,7 @@ SEARCH_CLASSES = Study(
     kind="simulated",
     factors={"family": FAMILIES, "target_class": TARGET_CLASSES},
     seeds=range(1000, 1012),
-    tuning_seeds=range(40),
+    tuning_seeds=range(TUNED_BELOW),
     trial=classes_trial,
     metrics=metrics_of(BY_LEVEL, LEVEL_PAIRS),
     note=(

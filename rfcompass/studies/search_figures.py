@@ -1,12 +1,11 @@
-"""Studies after Fig. 9 of [Boroushaki2023], by complexity, number and places of tags; and of the gate for grasps."""
+"""Studies after Fig. 9 of [Boroushaki2023], by complexity, number and places of tags."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from rfcompass.evaluation.records import MetricValue
-from rfcompass.studies.pile_scenes import FAMILIES
-from rfcompass.studies.searches import DIFFERS, TAGS, Arm, metrics_of, row_of
+from rfcompass.studies.searches import DIFFERS, TAGS, TUNED_BELOW, Arm, metrics_of, row_of
 from rfcompass.studies.study import Cell, PaperValue, Study
 
 LEVELS = ("covered_2p20", "covered_3p25", "covered_3p42")
@@ -26,19 +25,6 @@ TAG_PAIRS: Sequence[tuple[str, str]] = (
     ("fusebot_touching", "fusebot_other_pile"),
     ("fusebot_opposite", "fusebot_other_pile"),
 )
-# Each baseline with and without the gate of Eq. 5.
-BY_GATE: Mapping[str, Arm] = {
-    **{name: Arm(name) for way in ("xray", "naive", "largest", "random") for name in (way, f"{way}_gate")},
-    "fusebot_no_gate": Arm("fusebot_no_gate"),
-    "fusebot": Arm("fusebot"),
-    "own_no_gate": Arm("fusebot_no_gate", 0, "target"),
-    "own": Arm("fusebot", 0, "target"),
-}
-GATE_PAIRS: Sequence[tuple[str, str]] = (
-    *((f"{way}_gate", way) for way in ("xray", "naive", "largest", "random")),
-    ("fusebot", "fusebot_no_gate"),
-    ("own", "own_no_gate"),
-)
 _NOTE = (
     "As in the study `searches`: hidden targets, executed grasps, masks from depth. Only some items can carry a tag; "
     "where a pile has none of them at the place that is asked for, the trial has no value for that arm."
@@ -55,11 +41,6 @@ def tags_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, 
     return row_of(str(cell["family"]), seed, BY_TAGS, TAG_PAIRS)
 
 
-def gates_trial(cell: Cell, seed: int, rng: np.random.Generator) -> Mapping[str, MetricValue]:  # noqa: ARG001
-    """Search one pile by each baseline, with the gate and without."""
-    return row_of(str(cell["family"]), seed, BY_GATE, GATE_PAIRS)
-
-
 def _printed(arm: str, median: float, figure: str) -> PaperValue:
     return PaperValue(f"actions_{arm}", "median", median, f"[Boroushaki2023] Fig. {figure}", DIFFERS)
 
@@ -70,7 +51,7 @@ SEARCH_LEVELS = Study(
     kind="simulated",
     factors={"family": LEVELS},
     seeds=range(1000, 1034),
-    tuning_seeds=range(40),
+    tuning_seeds=range(TUNED_BELOW),
     trial=levels_trial,
     metrics=metrics_of(BY_LEVEL, LEVEL_PAIRS),
     note=_NOTE,
@@ -81,7 +62,7 @@ SEARCH_TAGS = Study(
     kind="simulated",
     factors={"family": ("covered_3p25",)},
     seeds=range(1000, 1100),
-    tuning_seeds=range(40),
+    tuning_seeds=range(TUNED_BELOW),
     trial=tags_trial,
     metrics=metrics_of(BY_TAGS, TAG_PAIRS),
     paper=(
@@ -92,16 +73,5 @@ SEARCH_TAGS = Study(
         _printed("fusebot_opposite", 3.0, "9c"),
         _printed("fusebot_touching", 3.0, "9c"),
     ),
-    note=_NOTE,
-)
-SEARCH_GATES = Study(
-    name="search-gates",
-    title="Searching piles with and without the gate for good grasps",
-    kind="simulated",
-    factors={"family": FAMILIES},
-    seeds=range(1000, 1034),
-    tuning_seeds=range(40),
-    trial=gates_trial,
-    metrics=metrics_of(BY_GATE, GATE_PAIRS),
     note=_NOTE,
 )

@@ -11,7 +11,7 @@ import numpy as np
 from rfcompass.evaluation.records import MetricValue
 from rfcompass.studies.metric import SHARE, Metric
 from rfcompass.studies.pile_scenes import pile_scene
-from rfcompass.studies.searches import DIFFERS, LOST, TAGS, Arm, paper_values, result_or_why
+from rfcompass.studies.searches import DIFFERS, LOST, TAGS, TUNED_BELOW, Arm, paper_values, result_or_why
 from rfcompass.studies.study import Cell, PaperValue, Study
 from rfcompass.types import SearchResult
 
@@ -74,7 +74,7 @@ SEARCH_KERNELS = Study(
     kind="simulated",
     factors={"family": FAMILIES},
     seeds=range(1000, 1100),
-    tuning_seeds=range(40),
+    tuning_seeds=range(TUNED_BELOW),
     trial=kernels_trial,
     metrics=(
         Metric("scene", (), "text"),

@@ -2,7 +2,7 @@
 
 `fusebot` and `xray` are the papers', with their own views and updates. Names that end in `_equal` have the views, the
 updates of the map and the memory of failures that our own method has. `fusebot_posterior` has its map as well, and
-`ours_plain` is ours without the mind for the last failure: these two differ in the rule alone.
+`ours_plain` has our policy without the surer grasp before the last failure: these two differ in the policy alone.
 """
 
 from collections.abc import Callable, Mapping

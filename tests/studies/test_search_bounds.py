@@ -1,12 +1,11 @@
 """Bounds of searches: what the simulator tells is true, and sharper than the posterior."""
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
+mujoco = pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 
 from simulation.pile_scenes import tiny
 

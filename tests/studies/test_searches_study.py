@@ -1,5 +1,7 @@
 """The studies of whole searches: rows have what they declare, differences are those of their own row."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,10 +10,24 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 from simulation.pile_scenes import tiny
 
 from rfcompass.studies import searches
-from rfcompass.studies.search_figures import BY_GATE, GATE_PAIRS, SEARCH_GATES, SEARCH_LEVELS, SEARCH_TAGS
-from rfcompass.studies.search_methods import METHODS
-from rfcompass.studies.searches import ARMS, BOUNDS, KNOWN, LOST, PAIRS, SEARCHES, Arm, dealt, metrics_of, row_of
+from rfcompass.studies.search_figures import SEARCH_LEVELS, SEARCH_TAGS
+from rfcompass.studies.search_methods import METHODS, search_method
+from rfcompass.studies.searches import (
+    BOUNDS,
+    EVERY_ARM,
+    GATE_PAIRS,
+    KNOWN,
+    LOST,
+    PAIRS,
+    SEARCHES,
+    Arm,
+    dealt,
+    metrics_of,
+    row_of,
+)
+from rfcompass.types import ItemSize
 
+TARGET = ItemSize("target", np.array([0.06, 0.05, 0.04]))
 FEW = {"ours": Arm("ours"), KNOWN: Arm(KNOWN), "elsewhere": Arm("fusebot", 1, "other_pile")}
 
 
@@ -49,21 +65,29 @@ def test_grasps_are_counted_one_by_one(row):
     assert row["removed_ours"] == sum(row["grasps_ours"]) - row["found_ours"]  # the last one was the target
 
 
-@pytest.mark.parametrize("study", [SEARCHES, SEARCH_LEVELS, SEARCH_TAGS, SEARCH_GATES], ids=lambda study: study.name)
+@pytest.mark.parametrize("study", [SEARCHES, SEARCH_LEVELS, SEARCH_TAGS], ids=lambda study: study.name)
 def test_no_seed_serves_for_choosing_and_reporting(study):
     assert not set(study.seeds) & set(study.tuning_seeds)
     assert min(study.seeds) >= 1000
 
 
 def test_arms_are_known_ways_and_pairs_are_of_arms():
-    assert {arm.way for arm in ARMS.values()} <= {*METHODS, *BOUNDS}
-    assert {name for pair in PAIRS for name in pair} <= set(ARMS)
-    assert {name for pair in GATE_PAIRS for name in pair} == set(BY_GATE)
-    assert {arm.way for arm in BY_GATE.values()} <= set(METHODS)
+    assert {arm.way for arm in EVERY_ARM.values()} <= {*METHODS, *BOUNDS}
+    assert {name for pair in (*PAIRS, *GATE_PAIRS) for name in pair} <= set(EVERY_ARM)
+
+
+def test_the_two_of_a_pair_of_gates_differ_in_the_gate_alone():
+    for gated, ungated in GATE_PAIRS:
+        one, other = EVERY_ARM[gated], EVERY_ARM[ungated]
+        assert (one.tags, one.placement, one.share) == (other.tags, other.placement, other.share)
+        with_gate, without = (search_method(arm.way, TARGET) for arm in (one, other))
+        assert (with_gate.policy.gate, without.policy.gate) == (True, False)
+        opened = replace(with_gate, name=without.name, policy=replace(with_gate.policy, gate=False))
+        assert repr(opened) == repr(without)
 
 
 def test_a_share_of_tags_is_one_of_all_distractors():
     scene = tiny()
     counts = [len(dealt(Arm("fusebot", share=share), scene, 1).tags) for share in (0.0, 0.25, 0.5)]
     assert counts == [round(share * (len(scene.items) - 1)) for share in (0.0, 0.25, 0.5)]
-    assert np.all([arm.tags >= 0 for arm in ARMS.values()])
+    assert np.all([arm.tags >= 0 for arm in EVERY_ARM.values()])
