@@ -10,7 +10,7 @@ import numpy as np
 from write_results import Results, table
 
 from rfcompass.evaluation.statistics import wilson_interval
-from rfcompass.studies.searches import ARMS, PAIRS
+from rfcompass.studies.searches import ARMS, EVERY_ARM, GATE_PAIRS, PAIRS
 
 DOCS = Path(__file__).resolve().parent
 BEGIN, END = "<!-- search-results -->", "<!-- /search-results -->"
@@ -79,10 +79,10 @@ def family_table(got):
     return table(("mean actions, 16 where not found", *(f"{name}:" for name in families(got)), "found, %:"), *lines)
 
 
-def difference_table(got):
+def difference_table(got, pairs=PAIRS):
     """Paired differences."""
     lines = []
-    for one, other in PAIRS:
+    for one, other in pairs:
         column = f"less_{one}_{other}"
         by_family = [got.text(family, column, "mean") for family in families(got)]
         lines.append([f"`{one}` less `{other}`", interval(pooled_values(got, column)), *by_family])
@@ -169,6 +169,10 @@ def write(runs):
         headlines(got),
         "### What differs, on the same piles",
         difference_table(got),
+        "### What the gate does",
+        "Each baseline with the gate of Eq. 5, less itself without.",
+        main_table(got, {arm: EVERY_ARM[arm] for pair in GATE_PAIRS for arm in pair}),
+        difference_table(got, GATE_PAIRS),
         "### By family",
         family_table(got),
         "### How much of the bound",

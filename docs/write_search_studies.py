@@ -13,7 +13,7 @@ import pyarrow.compute as pc
 from write_results import Results, table
 from write_search import interval, main_table, pooled_quantiles, pooled_values, share
 
-from rfcompass.studies.search_figures import BY_GATE, BY_LEVEL, BY_TAGS, GATE_PAIRS, LEVEL_PAIRS, TAG_PAIRS
+from rfcompass.studies.search_figures import BY_LEVEL, BY_TAGS, LEVEL_PAIRS, TAG_PAIRS
 from rfcompass.studies.search_kernels import KERNELS
 
 PAGE = Path(__file__).resolve().parent / "search.md"
@@ -94,11 +94,6 @@ def tags(got):
     return f"{main_table(got, BY_TAGS)}\n\n{by_located(got)}\n\n{differences(got, TAG_PAIRS)}"
 
 
-def gates(got):
-    """Each baseline with and without the gate."""
-    return f"{main_table(got, BY_GATE)}\n\n{differences(got, GATE_PAIRS)}"
-
-
 def kernels(got):
     """Table 4."""
     lines = [
@@ -113,8 +108,7 @@ def kernels(got):
     return table((f"simulated, {len(got.rows)} piles", *heads), *lines)
 
 
-STUDIES = {"search-levels": levels, "search-tags": tags, "search-kernels": kernels, "search-classes": classes,
-           "search-gates": gates}  # fmt: skip
+STUDIES = {"search-levels": levels, "search-tags": tags, "search-kernels": kernels, "search-classes": classes}
 
 
 def write(runs):

@@ -23,7 +23,8 @@ from rfcompass.types.record import Record
 class JawSizes(Record):
     """Sizes of the hand of `urdf/ur5e_2f85.urdf` that count for a grasp from above [m].
 
-    Heights are looked at within 6 cm to each side: half the opening and a finger have to fit in.
+    Heights are looked at within 6 cm to each side: half the opening and a finger have to fit in. The weights of
+    `AntipodalQuality` and the opening that `grasp_at_pixel` commands are those of the default hand.
 
     Attributes:
         opening_m: Furthest that the jaws open.

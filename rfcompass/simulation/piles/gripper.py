@@ -96,21 +96,26 @@ def grasp_item(
         message = f"jaws {aperture_m} m apart: they open to {hand.opening_m} m"
         raise PileError(message, key="aperture_m", got=aperture_m)
     near = _about(world, T[:2, 3])
-    for one in _TRIES:
-        run = _Run(near, T, aperture_m, hand, one)
+    done, after = _grasped(near, T, aperture_m, hand)
+    whole = _part(world, {item.number for item in world.items})
+    whole.become({**world.states, **after.states}, without=done.taken)
+    if _meet(whole, after):  # something was pushed into what was left out, which would have held it back
+        done, whole = _grasped(world, T, aperture_m, hand)
+    world.become(whole.states, without=done.taken)
+    return done
+
+
+def _grasped(world: PileWorld, T: FloatArray, aperture_m: float, hand: PileHand) -> tuple[ExecutedGrasp, PileWorld]:
+    """Grasp in a copy of a pile; what came of it, and the copy, at rest."""
+    for how in _TRIES:
+        run = _Run(world, T, aperture_m, hand, how)
         done = run.grasp()
         if done is None:
             continue
-        after = _about(world, T[:2, 3])
+        after = _part(world, {item.number for item in world.items})
         after.become(run.states, without=done.taken)
-        if not _comes_to_rest(after):
-            continue
-        whole = PileWorld(world.items, world.states, world.physics)
-        whole.become({**world.states, **after.states}, without=done.taken)
-        if _meet(whole, after) and not _comes_to_rest(whole):
-            continue
-        world.become(whole.states, without=done.taken)
-        return done
+        if _comes_to_rest(after):
+            return done, after
     raise PileUnsettled("the simulation of a grasp blew up", simulated_s=run.passed_s, creep_m=float("inf"))
 
 
@@ -337,8 +342,15 @@ def _about(world: PileWorld, place_m: FloatArray) -> PileWorld:
         more = world.touching(todo.pop()) - found
         found |= more
         todo += more
-    items = [item for item in world.items if item.number in found]
-    return PileWorld(items, {number: state for number, state in world.states.items() if number in found}, world.physics)
+    return _part(world, found)
+
+
+def _part(world: PileWorld, numbers: set[int]) -> PileWorld:
+    """A copy of some of a pile."""
+    items = [item for item in world.items if item.number in numbers]
+    return PileWorld(
+        items, {number: state for number, state in world.states.items() if number in numbers}, world.physics
+    )
 
 
 def _meet(world: PileWorld, near: PileWorld) -> bool:
