@@ -40,14 +40,14 @@ REACH_M = (STEPS - 1) * _STEP_M
 _SIDE_M, LEAST_M = 0.002, 0.006
 # A finger that would come to lie so far within what was seen is stopped for certain [m].
 _BURIED_M = -0.015
-# Ours: a palm that would be so far in what is seen under it is stopped there; in room under it, of 10 mm.
+# A palm that would be so far in what is seen under it is stopped there; in room under it, of 10 mm.
 _PALM_STOPS = -0.5
 # A rise or fall that ends a surface, over which way, how far it is followed [m, m, steps], and in how many directions.
 _JUMP_M, _RAY_M, _RAY_STEPS, _RAYS = 0.008, 0.004, 30, 16
 # A pinch: jaws as for something so wide, tips so far below the surface, how uneven it may be [m]; the tips are
 # between these steps to either side.
 PINCH_WIDTH_M, PINCH_DEPTH_M, _UNEVEN_M, _PINCH_INNER, _PINCH_STEPS = 0.010, 0.006, 0.012, 6, 11
-_PALM_M = 0.0125  # between places that are looked at under the palm; ours: they reach a little beyond its edges
+_PALM_M = 0.0125  # between places that are looked at under the palm: they reach a little beyond its edges
 _BESIDE_PALM_M = 0.008
 
 

@@ -195,3 +195,11 @@ def test_tips_that_must_stay_high_leave_low_things_alone():
     quality = AntipodalQuality(jaws=JawSizes(above_table_m=0.03))
     low = quality.quality(look(Upright(0.0, 0.0, 0.0, 0.2, 0.15, 0.02)))
     assert not low.quality.any()
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"angles": 0}, {"angles": -3}, {"depths_m": ()}, {"depths_m": (0.01, -0.02)}, {"friction": -1.0}]
+)
+def test_numbers_with_which_nothing_can_be_tried_are_refused(wrong):
+    with pytest.raises(InputError):
+        AntipodalQuality(**wrong)

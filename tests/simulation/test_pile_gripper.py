@@ -215,13 +215,31 @@ def test_what_was_left_out_is_simulated_if_something_came_to_touch_it(
     world = world_of(
         (item(1, "box", 0.05, 0.05, 0.06), at(0, 0, 0.03)), (item(2, "box", 0.05, 0.05, 0.04), at(0.4, 0, 0.02))
     )
-    counts, inner = [], gripper._grasped
+    counts, inner = [], gripper._simulated
 
-    def grasped(pile: PileWorld, *more: object) -> object:
+    def simulated_too(pile: PileWorld, *more: object) -> object:
         counts.append(len(pile.items))
         return inner(pile, *more)  # type: ignore[arg-type]
 
     monkeypatch.setattr(gripper, "_meet", lambda whole, after: meet)
-    monkeypatch.setattr(gripper, "_grasped", grasped)
+    monkeypatch.setattr(gripper, "_simulated", simulated_too)
     done = grasp_item(world, hand_at(0, 0, 0.02), 0.085)
     assert (counts, done.taken, [left.number for left in world.items]) == (simulated, (1,), [2])
+
+
+def test_if_all_that_is_simulated_then_blows_up_the_pile_stays_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    world = world_of(
+        (item(1, "box", 0.05, 0.05, 0.06), at(0, 0, 0.03)), (item(2, "box", 0.05, 0.05, 0.04), at(0.4, 0, 0.02))
+    )
+    before, counts = world.states, []
+
+    def rests(pile: PileWorld) -> bool:
+        counts.append(len(pile.items))
+        return len(counts) == 1
+
+    monkeypatch.setattr(gripper, "_meet", lambda whole, after: True)
+    monkeypatch.setattr(gripper, "_comes_to_rest", rests)
+    with pytest.raises(PileUnsettled, match="blew up"):
+        grasp_item(world, hand_at(0, 0, 0.02), 0.085)
+    assert counts == [0] + [1] * len(gripper._TRIES)  # without the box in the hand; then both piles, try by try
+    assert {n: state.tolist() for n, state in world.states.items()} == {n: s.tolist() for n, s in before.items()}

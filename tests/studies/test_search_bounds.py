@@ -76,14 +76,15 @@ def test_inside_is_where_a_ray_of_mujoco_leaves_the_same_shape(kind, seed):
     half_m = item.panel_size_m / 2
     size = {"cylinder": (half_m[0], half_m[2]), "capsule": (half_m[0], half_m[2] - half_m[0])}.get(kind, half_m)
     text = f'<mujoco><worldbody><geom type="{GEOMS[kind]}" size="{" ".join(map(str, size))}"/></worldbody></mujoco>'
-    model = load_mujoco().MjModel.from_xml_string(text)
-    data = load_mujoco().MjData(model)
-    load_mujoco().mj_forward(model, data)
+    mujoco = load_mujoco()
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
     points_m = rng.uniform(-1.3, 1.3, (40, 3)) * half_m
     met, way = np.zeros(1, np.int32), np.array([0.0, 0.0, 1.0])
     by_rays = []
     for point_m in points_m:
-        ends_m = [load_mujoco().mj_ray(model, data, point_m, sign * way, None, 1, -1, met) for sign in (1, -1)]
+        ends_m = [mujoco.mj_ray(model, data, point_m, sign * way, None, 1, -1, met) for sign in (1, -1)]
         by_rays.append(min(ends_m) >= 0)
     R = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     T = np.eye(4)

@@ -68,7 +68,7 @@ def test_the_others_have_the_same_views_updates_and_memory(name):
     assert (method.costs is not None) == (name == "ours")
 
 
-def test_the_literal_policy_has_the_papers_discount_and_gate():
+def test_the_literal_policy_measures_depth_and_gates_as_we_read_the_paper():
     policy = made("fusebot").policy
     assert (policy.per_column, policy.literal_gate) == (False, False)
     assert made("spherical").belief.rigid

@@ -57,6 +57,30 @@ def test_the_same_search_gives_the_same_answer():
     assert (one.outcome, one.elapsed_s, one.hidden_m3) == (other.outcome, other.elapsed_s, other.hidden_m3)
 
 
+def test_each_motion_begins_where_the_last_one_ended():
+    run, _ = finished("ours")
+    motions = [motion for _, motion in run.robot.motions]
+    ends = [run.robot.arm.resting.joints, *(motion.end.joints for motion in motions)]
+    for motion, joints in zip(motions, ends, strict=False):
+        assert np.allclose(motion.stages[0].joints[0], joints, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "stages", "closes", "felt"),
+    [("held", 4, True, ""), ("missed", 3, True, "jaws 2 mm"), ("blocked", 3, False, "31 N on the way down")],
+)
+def test_an_empty_hand_is_not_carried_away_and_says_what_it_felt(monkeypatch, outcome, stages, closes, felt):
+    robot = begin("ours").robot
+    done = ExecutedGrasp(outcome, (), 0.002, 31.0, False)
+    monkeypatch.setattr(pile_robot, "grasp_item", lambda world, T_world_hand, aperture_m: done)
+    T = np.array([[0.0, 1, 0, 0.0], [1, 0, 0, 0.0], [0, 0, -1, 0.05], [0, 0, 0, 1.0]])
+    attempt = robot.grasp(ExtractionAction(1, T, 0.06, 1.0))
+    (_, motion), *none = robot.motions
+    assert (len(motion.stages), motion.waiting_s > 0, none) == (stages, closes, [])
+    assert attempt.message.startswith(felt)
+    assert attempt.duration_s == robot.elapsed_s == motion.duration_s
+
+
 def test_physics_that_blows_up_ends_a_search_with_its_actions_and_the_pile_kept(monkeypatch):
     run, calls = begin("ours"), []
 

@@ -21,6 +21,7 @@ from rfcompass.simulation.piles.world import PileWorld
 from rfcompass.types.record import Record
 from rfcompass.types.search import BLOCKED, HELD, MISSED, SLIPPED
 
+# All numbers of this file are ours.
 # A hand nearer than this to closed has nothing between its jaws [m].
 _CLOSED_M = 0.002
 
@@ -96,23 +97,23 @@ def grasp_item(
         message = f"jaws {aperture_m} m apart: they open to {hand.opening_m} m"
         raise PileError(message, key="aperture_m", got=aperture_m)
     near = _about(world, T[:2, 3])
-    done, after = _grasped(near, T, aperture_m, hand)
-    whole = _part(world, {item.number for item in world.items})
+    done, after = _simulated(near, T, aperture_m, hand)
+    whole = PileWorld(world.items, world.states, world.physics)
     whole.become({**world.states, **after.states}, without=done.taken)
     if _meet(whole, after):  # something was pushed into what was left out, which would have held it back
-        done, whole = _grasped(world, T, aperture_m, hand)
+        done, whole = _simulated(world, T, aperture_m, hand)
     world.become(whole.states, without=done.taken)
     return done
 
 
-def _grasped(world: PileWorld, T: FloatArray, aperture_m: float, hand: PileHand) -> tuple[ExecutedGrasp, PileWorld]:
+def _simulated(world: PileWorld, T: FloatArray, aperture_m: float, hand: PileHand) -> tuple[ExecutedGrasp, PileWorld]:
     """Grasp in a copy of a pile; what came of it, and the copy, at rest."""
     for how in _TRIES:
         run = _Run(world, T, aperture_m, hand, how)
         done = run.grasp()
         if done is None:
             continue
-        after = _part(world, {item.number for item in world.items})
+        after = PileWorld(world.items, world.states, world.physics)
         after.become(run.states, without=done.taken)
         if _comes_to_rest(after):
             return done, after
@@ -342,15 +343,8 @@ def _about(world: PileWorld, place_m: FloatArray) -> PileWorld:
         more = world.touching(todo.pop()) - found
         found |= more
         todo += more
-    return _part(world, found)
-
-
-def _part(world: PileWorld, numbers: set[int]) -> PileWorld:
-    """A copy of some of a pile."""
-    items = [item for item in world.items if item.number in numbers]
-    return PileWorld(
-        items, {number: state for number, state in world.states.items() if number in numbers}, world.physics
-    )
+    items = [item for item in world.items if item.number in found]
+    return PileWorld(items, {number: state for number, state in world.states.items() if number in found}, world.physics)
 
 
 def _meet(world: PileWorld, near: PileWorld) -> bool:

@@ -1,12 +1,15 @@
 """What each baseline goes for, where their rules part."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from box_scenes import Block
 from extraction_scenes import grasps_of, question
 
-from planners.extraction import LargestMaskPolicy, MapMassPolicy, NaivePolicy, XRayPolicy
-from rfcompass.types import GraspMaps
+from planners.extraction import FuseBotPolicy, LargestMaskPolicy, MapMassPolicy, NaivePolicy, XRayPolicy
+from rfcompass.errors import InputError
+from rfcompass.mapping.camera import points_image
 
 # Under the flat wide one nothing of the target's size fits; under the high one it does.
 FLAT, HIGH = Block((-0.12, 0.0, 0.005), (0.20, 0.16, 0.01)), Block((0.12, 0.0, 0.06), (0.12, 0.10, 0.12))
@@ -17,9 +20,7 @@ def with_better_grasp_beside(off_m):
     """The peak of the map is under the middle of the first block; a better grasp is so far off along the next axis."""
     blocks = (Block((0.0, 0.0, 0.02), (0.20, 0.16, 0.04)),)
     asked = question(blocks, mass=(5.0,), quality=(0.3,))
-    points_m = asked.view.T_world_camera[:3, 3] + np.einsum(
-        "ij,hwj->hwi", asked.view.T_world_camera[:3, :3], _rays(asked.view)
-    )
+    points_m = points_image(asked.view)
     peak_m = asked.grid.origin_m[:2] + asked.grid.spacing_m * np.array(
         np.unravel_index(asked.grid.values.argmax(), asked.grid.values.shape)[:2]
     )
@@ -27,18 +28,8 @@ def with_better_grasp_beside(off_m):
     pixel = np.unravel_index(np.linalg.norm(points_m[..., :2] - wanted_m, axis=2).argmin(), asked.masks.labels.shape)
     quality = asked.grasps.quality.copy()
     quality[pixel] = 0.9
-    parts = asked.grid, asked.view, asked.masks, GraspMaps(quality, *_rest(asked.grasps))
+    parts = asked.grid, asked.view, asked.masks, replace(asked.grasps, quality=quality)
     return parts, peak_m
-
-
-def _rays(view):
-    v, u = np.indices(view.depth_m.shape)
-    rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(view.intrinsics).T
-    return rays * view.depth_m[..., None]
-
-
-def _rest(grasps):
-    return grasps.angle_rad, grasps.width_m, grasps.depth_m
 
 
 @pytest.mark.parametrize(("off_m", "taken"), [(0.04, True), (0.06, False)])
@@ -57,10 +48,9 @@ def test_naive_with_the_gate_leaves_the_five_centimetres_for_a_grasp_above_tau()
     assert np.linalg.norm(far.T_world_hand[:2, 3] - peak_m) == pytest.approx(0.08, abs=0.01)
 
 
-@pytest.mark.parametrize("policy", [XRayPolicy(target_m=TARGET_M)])
-def test_x_ray_takes_what_the_target_fits_under_and_largest_what_is_widest(policy):
+def test_x_ray_takes_what_the_target_fits_under_and_largest_what_is_widest():
     asked = question((FLAT, HIGH), mass=(5.0, 1.0), quality=(0.9, 0.9))
-    assert policy.choose(*asked.parts()).mask_label == 2
+    assert XRayPolicy(target_m=TARGET_M).choose(*asked.parts()).mask_label == 2
     assert LargestMaskPolicy().choose(*asked.parts()).mask_label == 1
     assert MapMassPolicy().choose(*asked.parts()).mask_label == 1  # the map says so
 
@@ -70,3 +60,9 @@ def test_x_ray_with_the_gate_leaves_what_can_hardly_be_grasped():
     grasps = grasps_of(asked.masks.labels, (0.9, 0.3))
     parts = asked.grid, asked.view, asked.masks, grasps
     assert [XRayPolicy(target_m=TARGET_M, gate=gate).choose(*parts).mask_label for gate in (False, True)] == [2, 1]
+
+
+@pytest.mark.parametrize("gamma", [0.0, -0.5, 1.01, np.nan])
+def test_a_discount_that_is_none_is_refused_where_it_is_given(gamma):
+    with pytest.raises(InputError, match="gamma"):
+        FuseBotPolicy(gamma=gamma)
