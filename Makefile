@@ -30,7 +30,7 @@ check: $(VENV)/.test
 bench: $(VENV)/.test  ## our timings beside the peers'
 	$(BIN)/rfcompass bench
 
-RESULTS := measured-survey measured-proximity measured-target wrong-comparisons tag-polarisation resolution accuracy grasp-trials fetches path-ratio fusebot-localisation pile-tags map-quality searches search-levels search-tags search-kernels search-classes
+RESULTS := measured-survey measured-proximity measured-target wrong-comparisons tag-polarisation resolution accuracy grasp-trials fetches path-ratio fusebot-localisation pile-tags map-quality searches search-confirm search-levels search-tags search-kernels search-classes
 
 results: $(VENV)/.test  ## the README's tables, in several hours; needs RFCOMPASS_MEASURED_DATA
 	rm -rf runs/results && mkdir -p runs/results

@@ -21,6 +21,7 @@ STUDIES: tuple[str, ...] = (
     "rfcompass.studies.pile_tags:PILE_TAGS",
     "rfcompass.studies.map_quality:MAP_QUALITY",
     "rfcompass.studies.searches:SEARCHES",
+    "rfcompass.studies.search_confirm:SEARCH_CONFIRM",
     "rfcompass.studies.search_figures:SEARCH_LEVELS",
     "rfcompass.studies.search_figures:SEARCH_TAGS",
     "rfcompass.studies.search_kernels:SEARCH_KERNELS",
