@@ -44,7 +44,7 @@ SEARCH_CONFIRM = Study(
     trial=confirm_trial,
     metrics=metrics_of(CONFIRM_ARMS, CONFIRM_PAIRS),
     note=(
-        "As in the study `searches`, on piles that no other study has. Methods and pairs were named before the first of "
-        "these piles was searched."
+        "As in the study `searches`, on piles that no other study has. Methods and pairs were named before the "
+        "first of these piles was searched."
     ),
 )
