@@ -71,11 +71,11 @@ def main_table(got, arms=ARMS):
     return table((f"simulated, {len(got.rows)} piles", *heads), *lines)
 
 
-def family_table(got):
+def family_table(got, arms=ARMS):
     """Mean actions, a column for each family."""
     lines = [[f"`{arm}`", *(got.text(family, f"all_{arm}", "mean") for family in families(got)),
               " / ".join(got.text(family, f"found_{arm}", "share", interval=False).split(";")[0] for family in families(got))]
-             for arm in ARMS]  # fmt: skip
+             for arm in arms]  # fmt: skip
     return table(("mean actions, 16 where not found", *(f"{name}:" for name in families(got)), "found, %:"), *lines)
 
 

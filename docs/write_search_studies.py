@@ -11,8 +11,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 from write_results import Results, table
-from write_search import interval, main_table, pooled_quantiles, pooled_values, share
+from write_search import difference_table, family_table, interval, main_table, pooled_quantiles, pooled_values, share
 
+from rfcompass.studies.search_confirm import CONFIRM_ARMS, CONFIRM_PAIRS
 from rfcompass.studies.search_figures import BY_LEVEL, BY_TAGS, LEVEL_PAIRS, TAG_PAIRS
 from rfcompass.studies.search_kernels import KERNELS
 
@@ -48,6 +49,11 @@ def differences(got, pairs):
     """Paired differences over all rows."""
     lines = [[f"`{one}` less `{other}`", interval(pooled_values(got, f"less_{one}_{other}"))] for one, other in pairs]
     return table(("actions, paired", "all:"), *lines)
+
+
+def confirm(got):
+    """What `searches` suggests, on other piles."""
+    return "\n\n".join((main_table(got, CONFIRM_ARMS), difference_table(got, CONFIRM_PAIRS), family_table(got, CONFIRM_ARMS)))
 
 
 def levels(got):
@@ -108,7 +114,7 @@ def kernels(got):
     return table((f"simulated, {len(got.rows)} piles", *heads), *lines)
 
 
-STUDIES = {"search-levels": levels, "search-tags": tags, "search-kernels": kernels, "search-classes": classes}
+STUDIES = {"search-confirm": confirm, "search-levels": levels, "search-tags": tags, "search-kernels": kernels, "search-classes": classes}
 
 
 def write(runs):

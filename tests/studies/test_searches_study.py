@@ -10,6 +10,8 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 from simulation.pile_scenes import tiny
 
 from rfcompass.studies import searches
+from rfcompass.studies.registry import all_studies
+from rfcompass.studies.search_confirm import CONFIRM_ARMS, CONFIRM_PAIRS, SEARCH_CONFIRM
 from rfcompass.studies.search_figures import SEARCH_LEVELS, SEARCH_TAGS
 from rfcompass.studies.search_methods import METHODS, search_method
 from rfcompass.studies.searches import (
@@ -65,10 +67,23 @@ def test_grasps_are_counted_one_by_one(row):
     assert row["removed_ours"] == sum(row["grasps_ours"]) - row["found_ours"]  # the last one was the target
 
 
-@pytest.mark.parametrize("study", [SEARCHES, SEARCH_LEVELS, SEARCH_TAGS], ids=lambda study: study.name)
+@pytest.mark.parametrize("study", [SEARCHES, SEARCH_CONFIRM, SEARCH_LEVELS, SEARCH_TAGS], ids=lambda study: study.name)
 def test_no_seed_serves_for_choosing_and_reporting(study):
     assert not set(study.seeds) & set(study.tuning_seeds)
     assert min(study.seeds) >= 1000
+
+
+def test_the_piles_that_confirm_are_of_no_other_study():
+    for study in all_studies().values():
+        shared = set(study.factors.get("family", ())) & set(SEARCH_CONFIRM.factors["family"])
+        if shared and study.name != SEARCH_CONFIRM.name:
+            assert not set(study.seeds) & set(SEARCH_CONFIRM.seeds), study.name
+    assert len(SEARCH_CONFIRM.seeds) * len(SEARCH_CONFIRM.cells) >= 400
+
+
+def test_what_is_confirmed_is_what_was_asked_before():
+    assert {name: EVERY_ARM[name] for name in CONFIRM_ARMS} == CONFIRM_ARMS
+    assert {name for pair in CONFIRM_PAIRS for name in pair} == set(CONFIRM_ARMS)
 
 
 def test_arms_are_known_ways_and_pairs_are_of_arms():
