@@ -52,8 +52,22 @@ app.command("view")(view)
 app.command("bench")(bench)
 
 
+def _show_versions(wanted: bool) -> None:
+    if wanted:
+        from rfcompass.studies.versions import software_versions
+
+        typer.echo(software_versions())
+        raise typer.Exit
+
+
 @app.callback()
-def _options(verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Show log messages.")] = False) -> None:
+def _options(
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Show log messages.")] = False,
+    version: Annotated[  # noqa: ARG001
+        bool,
+        typer.Option("--version", callback=_show_versions, is_eager=True, help="Show what is installed, and end."),
+    ] = False,
+) -> None:
     level = logging.INFO if verbose else logging.WARNING
     logging.basicConfig(level=level, format="%(message)s", handlers=[RichHandler(console=messages(), show_path=False)])
 

@@ -12,6 +12,7 @@ import pytest
 from rfcompass.cli.bench import BENCHMARKS
 from rfcompass.recordings import AntennaPoses, Trace, TraceMeta, reads_table, write_trace
 from rfcompass.simulation import SweepScene, simulate_sweep
+from rfcompass.studies.versions import software_versions
 
 
 def test_survey_answers_in_the_agreed_shape(run, sweep, tags_m):
@@ -21,6 +22,12 @@ def test_survey_answers_in_the_agreed_shape(run, sweep, tags_m):
     for tag in answer["tags"]:
         assert set(tag) == {"epc", "point_m", "confident", "box_m"}
         assert np.linalg.norm(np.array(tag["point_m"]) - tags_m[tag["epc"]]) < 0.15
+
+
+def test_the_version_is_told_with_those_of_what_decides_about_numbers(run):
+    shown = run("--version")
+    assert shown.code == 0
+    assert shown.out.strip() == software_versions()
 
 
 @pytest.mark.parametrize("method", ["hyperbolic", "sar"])
