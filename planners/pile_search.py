@@ -1,8 +1,9 @@
 """The whole search in a pile: look, believe, take, look again, until the target is in the drop zone [Boroushaki2023].
 
-The paper's Algorithm 1 is lost; this is rebuilt from its section 5:
+Our text of the paper lacks its Algorithm 1; this is rebuilt from its section 5:
 
-1. Go round the table with camera and antennas; map what no view looked into; locate the tags.
+1. Go round the table with camera and antennas; map what no view looked into; locate the tags (X-Ray and whatever else
+   has no map: take one image of all instead).
 2. If the target is in sight, grasp it; else
 3. compute where it may be, take the cluster with the highest mean, and move above it;
 4. find the objects there and the grasps, let the policy choose, grasp, and carry away what is held;
@@ -10,6 +11,7 @@ The paper's Algorithm 1 is lost; this is rebuilt from its section 5:
 6. Go on at 2, until the target is in the drop zone, after 15 actions, or after 5 failed grasps in a row.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
@@ -18,14 +20,13 @@ import numpy as np
 
 from planners.extraction import best_cluster
 from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
-from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp, without_near
+from planners.target_grasp import ChosenGrasp, chance_of, grasp_again, grasp_target, surest_grasp, without_near
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, CameraBlocked, InputError, NothingHidden, NothingToGrasp, OutOfReach
 from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
 from rfcompass.mapping import RED, ColourRule, VisualMap, find_visible_target, map_views
 from rfcompass.types import (
     DepthView,
-    ExtractionAction,
     GraspMaps,
     InstanceMasks,
     ItemSize,
@@ -47,12 +48,13 @@ from rfcompass.types.search import (
     OUT_OF_REACH,
     TOO_MANY_ACTIONS,
     TOO_MANY_FAILURES,
+    UNREACHABLE,
 )
 
 # Ours: a tag so near to a grasp may have moved, and is listened to again [m].
 _MOVED_M = 0.15
-# Ours: how often another grasp is chosen because the arm cannot go there.
-_MOST_ELSEWHERE = 8
+# Ours: how often another grasp is chosen because the arm cannot go there, and how often on one object.
+_MOST_ELSEWHERE, _OF_ONE = 16, 2
 _ENDS = {
     NothingHidden: NOTHING_HIDDEN,
     NothingToGrasp: NOTHING_TO_GRASP,
@@ -149,9 +151,16 @@ class PileSearch:
                 for step in self._done[told:]:  # over, though what comes after it failed
                     watch(step)
             return self._ended(next(end for kind, end in _ENDS.items() if isinstance(why, kind)), str(why))
-        if self._failures >= self.rules.most_failures:
-            return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
-        return self._ended(TOO_MANY_ACTIONS, f"the target was not found in {len(self._done)} actions")
+        return self._at_the_limit()
+
+    def _at_the_limit(self) -> SearchResult:
+        """How a search ends that was stopped by its rules."""
+        if self._failures < self.rules.most_failures:
+            return self._ended(TOO_MANY_ACTIONS, f"the target was not found in {len(self._done)} actions")
+        last = [step.attempt for step in self._done[-self._failures :]]
+        if all(attempt.outcome == UNREACHABLE for attempt in last):
+            return self._ended(OUT_OF_REACH, f"the arm reaches nothing that is to be taken: {last[-1].message}")
+        return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
 
     def steps(self) -> Iterator[SearchStep]:
         """Scan, then act until a stop rule; yields each action once it is over, for whoever watches.
@@ -173,16 +182,24 @@ class PileSearch:
                 return
 
     def _scan(self) -> None:
-        look = self.robot.scan()
+        look = self.robot.scan() if self.method.scans else self._look_at_all()
         self._seen = map_views(self.workspace, look.views)
         self._in_sight = look
         self._hear(look.fixes)
-        known = {canonical_epc(size.epc) for size in self.sizes if size.epc is not None}
-        for _ in range(self.rules.extra_scans if known else 0):
-            if all(epc in self._fixes and self._fixes[epc].confident for epc in known):
-                break
-            self._hear(self.robot.scan().fixes)
+        if self.method.scans and self._target_in_sight() is None:
+            self._listen_again()
         self._located = sum(fix.confident for fix in self._fixes.values())
+
+    def _listen_again(self) -> None:
+        """Listen on another way while a tag that is known of is not located confidently."""
+        known = {canonical_epc(size.epc) for size in (*self.sizes, self.target) if size.epc is not None}
+        for _ in range(self.rules.extra_scans):
+            if all(epc in self._fixes and self._fixes[epc].confident for epc in known):
+                return
+            try:
+                self._hear(self.robot.listen_again())
+            except OutOfReach:
+                return
 
     def _hear(self, fixes: Sequence[TagFix]) -> None:
         """Keep the last confident fix of each tag; of one that never had any, the first."""
@@ -210,61 +227,86 @@ class PileSearch:
         table_m = self.workspace.table_m
         tried_m = self._tried_m
         chosen = self._within_reach(
-            view, grasps, lambda maps: grasp_target(view, found.pixels, masks, maps, tried_m, table_m)
+            view, masks, grasps, lambda objects, maps: grasp_target(view, found.pixels, objects, maps, tried_m, table_m)
         )
         return self._act(view, masks, None, self._surer(chosen, view, masks, grasps) or chosen)
 
     def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:
         """Take off what the policy chooses."""
         try:
-            masks, action = self._choose(view, grid)
+            masks, chosen = self._choose(view, grid)
         except NothingToGrasp:
             if self.method.looks == OVERHEAD:
                 raise
             # What is above the cluster is flat, or gone: the rest of the table may still hold something.
             view = self._overhead()
-            masks, action = self._choose(view, grid)
+            if (step := self._target_step(view)) is not None:
+                return step
+            masks, chosen = self._choose(view, grid)
         if not self.method.looks_closer:
-            return self._act(view, masks, grid, ChosenGrasp(action))
-        return self._closer_step(view, masks, grid, action)
+            return self._act(view, masks, grid, chosen)
+        return self._closer_step(view, masks, grid, chosen)
 
-    def _choose(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ExtractionAction]:
+    def _choose(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ChosenGrasp]:
         """Objects in a view, and the removal that the policy chooses."""
         masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
         failed = self._failed_m if self.method.remembers else ()
         policy = self.method.policy
         chosen = self._within_reach(
-            view, grasps, lambda maps: ChosenGrasp(policy.choose(grid, view, masks, maps, failed))
+            view,
+            masks,
+            grasps,
+            lambda objects, maps: ChosenGrasp(policy.choose(grid, view, objects, maps, failed)),
         )
-        return masks, chosen.action
+        return masks, replace(chosen, chance=chance_of(chosen.action, view, masks, grasps))
 
-    def _within_reach(self, view: DepthView, grasps: GraspMaps, choose: Callable[[GraspMaps], Choice]) -> Choice:
-        """Choose a grasp; as long as the arm cannot go there, another without those about it, a few times."""
-        chosen = choose(grasps)
+    def _within_reach(
+        self,
+        view: DepthView,
+        masks: InstanceMasks,
+        grasps: GraspMaps,
+        choose: Callable[[InstanceMasks, GraspMaps], Choice],
+    ) -> Choice:
+        """Choose a grasp; as long as the arm cannot go there, another without those about it, a few times.
+
+        An object on which that happened more than once is left out. If nothing is left, the last choice stays, and the
+        arm will not get there.
+        """
+        chosen, refused = choose(masks, grasps), Counter[int]()
         for _ in range(_MOST_ELSEWHERE):
             if chosen is None or self.robot.reaches(chosen.action):
                 break
+            label = chosen.action.mask_label
+            refused[label] += 1
             grasps = without_near(view, grasps, chosen.action.T_world_hand[:3, 3])
-            chosen = choose(grasps)
+            if refused[label] >= _OF_ONE:
+                masks = InstanceMasks(np.where(masks.labels == label, 0, masks.labels))
+            try:
+                chosen = choose(masks, grasps)
+            except NothingToGrasp:  # all that is in sight is out of reach
+                break
         return chosen
 
-    def _closer_step(
-        self, view: DepthView, masks: InstanceMasks, grid: VoxelGrid, action: ExtractionAction
-    ) -> SearchStep:
+    def _closer_step(self, view: DepthView, masks: InstanceMasks, grid: VoxelGrid, first: ChosenGrasp) -> SearchStep:
         """Grasp the same object as an image from near above shows it; as before if that shows no grasp.
 
         Labels are those of the first image, but for a surer grasp elsewhere, which only the second one shows.
         """
+        action = first.action
         try:
             near = self.robot.look(action.T_world_hand[:3, 3], NEAR_M).views[0]
         except OutOfReach:
-            return self._act(view, masks, grid, ChosenGrasp(action))
+            return self._act(view, masks, grid, first)
         if (step := self._target_step(near)) is not None:
             return step
         objects, grasps = self.segmenter.segment(near), self.quality.quality(near)
         tried_m = self._tried_m if self.method.remembers else ()
-        again = self._within_reach(near, grasps, lambda maps: grasp_again(action, near, objects, maps, tried_m))
-        chosen = again or ChosenGrasp(action)
+        again = self._within_reach(
+            near, objects, grasps, lambda _, maps: grasp_again(action, near, objects, maps, tried_m)
+        )
+        if again is None or not self.robot.reaches(again.action):
+            again = None
+        chosen = again or first
         surer = self._surer(chosen, near, objects, grasps)
         if surer is not None:
             return self._act(near, objects, grid, surer)
@@ -283,15 +325,16 @@ class PileSearch:
         if not risk > 1.0:
             return None
         tried_m = self._tried_m
-        surer = self._within_reach(view, grasps, lambda maps: surest_grasp(view, masks, maps, tried_m))
+        surer = self._within_reach(
+            view, masks, grasps, lambda objects, maps: surest_grasp(view, objects, maps, tried_m)
+        )
         return surer if surer is not None and (surer.chance - chosen.chance) * risk > 1.0 else None
 
     def _believed(self) -> VoxelGrid:
         belief = self.method.belief
         if belief is None:
-            grid = self._seen.uncertainty()
-        else:
-            grid = belief.believe(self._seen, self.target, self._fixes, self.sizes)
+            return self._seen.uncertainty()
+        grid = belief.believe(self._seen, self.target, self._fixes, self.sizes)
         if not grid.values.max() > 0:
             voxels = int(self._seen.covered.sum())
             raise NothingHidden("no place is left where the target could be", voxels=voxels)
@@ -312,7 +355,10 @@ class PileSearch:
 
     def _overhead(self) -> DepthView:
         """The image that shows all piles."""
-        return self.robot.look((self.workspace.lower_m + self.workspace.upper_m) / 2, OVERHEAD_M).views[0]
+        return self._look_at_all().views[0]
+
+    def _look_at_all(self) -> PileLook:
+        return self.robot.look((self.workspace.lower_m + self.workspace.upper_m) / 2, OVERHEAD_M)
 
     def _act(
         self,
@@ -339,7 +385,9 @@ class PileSearch:
             self._failed_m.append(point_m)
         if step.attempt.shows_target:
             return
-        near = [epc for epc, fix in self._fixes.items() if np.linalg.norm(fix.point_m - point_m) < _MOVED_M]
+        near = [
+            fix for fix in self._fixes.values() if fix.confident and np.linalg.norm(fix.point_m - point_m) < _MOVED_M
+        ]
         try:
             look = self.robot.look(point_m, NEAR_M, near)
         except OutOfReach:  # the map stays as it was; the next image is taken before the next action
@@ -347,7 +395,7 @@ class PileSearch:
             return
         self._seen = _refreshed(self._seen, look.views, point_m, self.method.update_edge_m)
         self._in_sight = look
-        self._hear(look.fixes)
+        self._fixes |= {canonical_epc(fix.epc): fix for fix in look.fixes}
 
     @property
     def _tried_m(self) -> tuple[FloatArray, ...]:

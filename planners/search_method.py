@@ -42,6 +42,8 @@ class SearchMethod(Record):
             ours, see `planners.extraction.clusters`.
         looks_closer: Look at the chosen object from near above before it is grasped; ours. From afar one sees what to
             take, from near how.
+        scans: Go round with camera and antennas first. Without that the image of all comes first, for a policy that
+            needs neither map nor tags.
     """
 
     name: str
@@ -53,9 +55,12 @@ class SearchMethod(Record):
     looks_closer: bool = False
     costs: ActionCosts | None = None
     cluster_threshold: float = THRESHOLD
+    scans: bool = True
 
     def __post_init__(self) -> None:
         """Check the views, the edge and the threshold."""
+        if not self.scans and (self.belief is not None or self.looks != OVERHEAD):
+            raise InputError("SearchMethod.scans: a map, and a look at its clusters, need a scan", got=self.scans)
         if self.looks not in LOOKS:
             message = f"SearchMethod.looks: {self.looks!r} is none of {', '.join(LOOKS)}"
             raise InputError(message, got=self.looks, known=list(LOOKS))

@@ -8,7 +8,7 @@ same protocol, so that nothing downstream can tell them apart.
                             └────Surveyor────────▶ TagFix
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Protocol, runtime_checkable
 
 from rfcompass.arrays import FloatArray
@@ -240,13 +240,24 @@ class PileRobot(Protocol):
         """Go round the table once with camera and antennas."""
         ...
 
-    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
-        """Take an image from above a point, and listen to some tags on the way there.
+    def listen_again(self) -> tuple[TagFix, ...]:
+        """Go round on another way, before anything was moved; locate all tags from what was heard on both.
+
+        Raises:
+            OutOfReach: If the arm cannot go there.
+        """
+        ...
+
+    def look(self, point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
+        """Take an image from above a point, and listen on the way there to tags that may have been moved.
 
         Args:
             point_m: Where to look, in the world [m], shape (3,).
             height_m: Height of the camera over the table [m]; as near to that as the arm can.
-            epcs: Tags to locate from what is heard.
+            tags: Where they were, see `rfcompass.localization.follow_tag`.
+
+        Returns:
+            The image, and a fix of each of those tags that was heard.
 
         Raises:
             OutOfReach: If the arm cannot look there.

@@ -14,7 +14,7 @@ class FuseBotPolicy(MaskPolicy):
     """Takes the object with the largest Eq. 4 among those whose Eq. 5 is above τ, or among all if there is none.
 
     Attributes:
-        gamma: Discount of the map for each 2.5 cm under an object's surface; ours, the paper's is lost.
+        gamma: Discount of the map for each 2.5 cm under an object's surface; ours.
         per_column: Measure depth under the surface of each column, not under an object's highest point.
     """
 

@@ -53,7 +53,7 @@ class MaskPolicy(Record, ABC):
     Attributes:
         gate: Compare only objects with a grasp better than `tau`, as long as there is one.
         literal_gate: Multiply by the ceiling as printed instead (`scores`).
-        tau: τ; ours, the paper's is lost.
+        tau: τ; ours.
         remembers: Believe less in grasps near those that have failed, and value their objects less; ours. The paper
             has no such memory: do not tell it of failures, or switch this off.
     """

@@ -21,7 +21,7 @@ from rfcompass.errors import InputError
 from rfcompass.types import VoxelGrid
 
 LAYER_M = 0.025  # [Boroushaki2023], Eq. 4
-GAMMA, TAU = 0.7, 0.5  # ours; the paper's numbers are lost with its footnotes
+GAMMA, TAU = 0.7, 0.5  # ours; our text of the paper lacks its footnotes, where they stand
 
 
 def mask_scores(

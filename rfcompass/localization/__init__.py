@@ -3,6 +3,7 @@
 from rfcompass.localization.compared_stop import ComparedStop, compared_stops
 from rfcompass.localization.comparing import compare_proximities
 from rfcompass.localization.consistency import ConsistencyLocalizer
+from rfcompass.localization.follow_tag import follow_tag
 from rfcompass.localization.hyperbolic import HyperbolicSurveyor
 from rfcompass.localization.layout_design import DesignedLayout, design_layout
 from rfcompass.localization.layout_error import LayoutError
@@ -62,6 +63,7 @@ __all__ = [
     "default_volume",
     "design_layout",
     "detect_phase_sign",
+    "follow_tag",
     "in_reach_by_base_end",
     "in_reach_by_mean",
     "locate_all",

@@ -1,6 +1,7 @@
 """A simulated arm over a simulated pile: sees, hears, grasps, and counts the time. Behind it is the truth."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from planners.path_timing import in_time
 from planners.pile_arm import ArmMotion, PileArm, link_poses
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, NoAnswer, OutOfReach, PileError, PileUnsettled
-from rfcompass.interfaces import Surveyor
+from rfcompass.localization import SarSurveyor, follow_tag
 from rfcompass.robots import load_robot
 from rfcompass.simulation import AntennaTrack, inventory_scan
 from rfcompass.simulation.piles import (
@@ -18,6 +19,7 @@ from rfcompass.simulation.piles import (
     PileCamera,
     PileScene,
     PileWorld,
+    RadioSetting,
     TaggedItems,
     grasp_item,
     hear_tags,
@@ -28,6 +30,7 @@ from rfcompass.types import DepthView, ExtractionAction, GraspAttempt, InstanceM
 from rfcompass.types.configuration import Configuration
 from rfcompass.types.grasps import Failure
 from rfcompass.types.motions import REACH, RETREAT
+from rfcompass.types.reads import ReadTrace
 from rfcompass.types.search import BLOCKED, HELD, UNREACHABLE
 from rfcompass.types.world import World
 
@@ -60,6 +63,7 @@ class SimulatedPileRobot:
         arm: Plans and times the motions.
         absent: Whether the target is taken away before: it is sought in vain.
         surveyor: Locates tags.
+        other_way: Where the arm goes to listen again.
         world: The pile now; truth.
         taken: Numbers of the items in the drop zone, in order; truth.
         motions: What the arm did, and when each motion began [s].
@@ -72,11 +76,13 @@ class SimulatedPileRobot:
     way: WristWay = field(default_factory=lambda: wrist_way("two"))
     arm: PileArm = field(default_factory=pile_arm)
     absent: bool = False
-    surveyor: Surveyor = PILE_SAR
+    surveyor: SarSurveyor = PILE_SAR
+    other_way: WristWay = field(default_factory=lambda: wrist_way("again"))
     world: PileWorld = field(init=False)
     taken: list[int] = field(init=False, default_factory=list)
     motions: list[tuple[float, ArmMotion]] = field(init=False, default_factory=list)
     tables: list[tuple[float, Mapping[int, FloatArray]]] = field(init=False, default_factory=list)
+    _heard: dict[str, ReadTrace] = field(init=False, repr=False, default_factory=dict)
     _shown: list[tuple[DepthView, InstanceMasks]] = field(init=False, repr=False, default_factory=list)
     _planned: tuple[tuple[bytes, bytes], ArmMotion | Failure] | None = field(init=False, repr=False, default=None)
     _elapsed_s: float = field(init=False, repr=False, default=0.0)
@@ -92,6 +98,7 @@ class SimulatedPileRobot:
         self.tables.append((0.0, self.world.states))
         self._joints = self.arm.resting
         self._camera = PileCamera(self.world, np.random.default_rng([self.seed, 0]))
+        self._setting = RadioSetting.draw([tag.epc for tag in self.tags.tags], np.random.default_rng([self.seed, 3]))
 
     @property
     def elapsed_s(self) -> float:
@@ -105,19 +112,29 @@ class SimulatedPileRobot:
             OutOfReach: If the arm cannot go to where the way begins.
         """
         rng = self._rng(1)
+        self._heard.clear()
         last_image = int(self.way.motion.stops[len(self.way.camera_poses) - 1])
         path = self.way.motion.path if self.tags.tags else self.way.motion.path[: last_image + 1]
-        to_begin = self.arm.move_to(Configuration(path[0]), self._joints)
-        if isinstance(to_begin, Failure):
-            raise OutOfReach(f"the arm cannot begin its scan: {to_begin.message}", **dict(to_begin.numbers))
-        self._moved(ArmMotion((to_begin,), 0.0, self.way.camera_poses[0]))
+        self._begin(self.way)
         views = [self._view(T) for T in self.way.camera_poses]
         around = ArmMotion((in_time(self.way.robot, REACH, path),), 0.0, self.way.camera_poses[-1])
         self._moved(_reading(around, len(self.way.track)) if self.tags.tags else around)
-        return PileLook(tuple(views), self._located(self.way.track, rng))
+        return PileLook(tuple(views), self._located(self._hears(self.way.track, rng)))
 
-    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
-        """Take an image from above a point, and listen to some tags on the way there.
+    def listen_again(self) -> tuple[TagFix, ...]:
+        """Go round on another way, and locate all tags from what was heard on both.
+
+        Raises:
+            OutOfReach: If the arm cannot go to where the way begins.
+        """
+        rng, way = self._rng(4), self.other_way
+        self._begin(way)
+        around = ArmMotion((in_time(way.robot, REACH, way.motion.path),), 0.0, way.camera_poses[-1])
+        self._moved(_reading(around, len(way.track)))
+        return self._located(self._hears(way.track, rng))
+
+    def look(self, point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
+        """Take an image from above a point, and listen on the way there to tags that may have been moved.
 
         Raises:
             OutOfReach: If the arm cannot look from there.
@@ -125,13 +142,13 @@ class SimulatedPileRobot:
         motion = self.arm.look_at(point_m, height_m, self._joints)
         if isinstance(motion, Failure):
             raise OutOfReach(f"the arm cannot look at the pile: {motion.message}", **dict(motion.numbers))
-        track = self._track(motion) if epcs else None
+        track = self._track(motion) if tags else None
         if track is None or len(track) < _FEWEST:
             self._moved(motion)
             return PileLook((self._view(motion.T_world_link),))
         self._moved(_reading(motion, len(track)))
         view = self._view(motion.T_world_link)
-        return PileLook((view,), self._located(track, self._rng(2), epcs))
+        return PileLook((view,), self._followed(self._hears(track, self._rng(2)), tags))
 
     def reaches(self, action: ExtractionAction) -> bool:
         """Plan the way to a grasp and to the drop zone."""
@@ -207,25 +224,41 @@ class SimulatedPileRobot:
         T = link_poses(self.arm, [*rows, path[-1]], ANTENNA)
         return AntennaTrack(T[:, :3, 3], T[:, :3, :3], np.ones(len(T), dtype=np.int64))
 
-    def _located(
-        self, track: AntennaTrack, rng: np.random.Generator, epcs: Collection[str] | None = None
-    ) -> tuple[TagFix, ...]:
-        """Locate tags of the table from what is heard along a track, all of them if `epcs` is None."""
-        there, _, _ = self.tags.placed(self.world)
-        wanted = [epc for epc in there if epcs is None or epc in epcs]
-        if not wanted:
-            return ()
+    def _begin(self, way: WristWay) -> None:
+        """Go to where a way begins."""
+        motion = self.arm.move_to(Configuration(way.motion.path[0]), self._joints)
+        if isinstance(motion, Failure):
+            raise OutOfReach(f"the arm cannot begin its scan: {motion.message}", **dict(motion.numbers))
+        self._moved(ArmMotion((motion,), 0.0, way.camera_poses[0]))
+
+    def _hears(self, track: AntennaTrack, rng: np.random.Generator) -> Mapping[str, ReadTrace]:
+        """What tags of the table answer along a track."""
+        epcs = [tag.epc for tag in self.tags.tags]
+        if not epcs:
+            return {}
         try:
-            scan, fixes = inventory_scan(hear_tags(self.world, self.tags, track, rng), wanted, FRAME), []
+            inventory = hear_tags(self.world, self.tags, track, rng, setting=self._setting)
         except PileError:  # all of them have rolled off the table
-            return ()
-        for epc in wanted:
-            if epc not in scan.traces:  # never heard
-                continue
-            try:
-                fixes.append(self.surveyor.locate(scan.traces[epc], SEARCH))
-            except NoAnswer:  # too few reads
-                continue
+            return {}
+        return inventory_scan(inventory, epcs, FRAME).traces
+
+    def _located(self, heard: Mapping[str, ReadTrace]) -> tuple[TagFix, ...]:
+        """Locate all tags from what was heard since the scan began."""
+        for epc, trace in heard.items():
+            self._heard[epc] = self._heard[epc].then(trace) if epc in self._heard else trace
+        fixes = []
+        for trace in self._heard.values():
+            with suppress(NoAnswer):  # too few reads
+                fixes.append(self.surveyor.locate(trace, SEARCH))
+        return tuple(fixes)
+
+    def _followed(self, heard: Mapping[str, ReadTrace], tags: Sequence[TagFix]) -> tuple[TagFix, ...]:
+        """Say where some tags are now."""
+        fixes = []
+        for fix in tags:
+            if fix.epc in heard:
+                with suppress(NoAnswer):
+                    fixes.append(follow_tag(heard[fix.epc], fix, SEARCH, self.surveyor))
         return tuple(fixes)
 
 

@@ -30,6 +30,8 @@ _OUR_VIEWS: Mapping[str, Any] = {
     "update_edge_m": WHOLE_VIEW_M,
     "remembers": True,
 }
+# One image of all at every step, the first included.
+_ONE_IMAGE: Mapping[str, Any] = {"looks": OVERHEAD, "scans": False}
 Maker = Callable[[ItemSize, int], SearchMethod]
 
 
@@ -100,14 +102,13 @@ def _spherical(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
 def _xray(name: str, *, gate: bool, equal: bool = False) -> Maker:
     def make(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
         policy = XRayPolicy(target_m=target.size_m, gate=gate, remembers=equal)
-        views = _OUR_VIEWS if equal else {"looks": OVERHEAD}
-        return SearchMethod(name=name, policy=policy, belief=None, **views)
+        return SearchMethod(name=name, policy=policy, belief=None, **(_OUR_VIEWS if equal else _ONE_IMAGE))
 
     return make
 
 
-def _xray_views(target: ItemSize, seed: int) -> SearchMethod:  # noqa: ARG001
-    return SearchMethod(name="xray_views", policy=MapMassPolicy(gate=True), belief=XRayBelief(), **_OUR_VIEWS)
+def _xray_views(name: str, *, gate: bool) -> Maker:
+    return lambda _, __: SearchMethod(name=name, policy=MapMassPolicy(gate=gate), belief=XRayBelief(), **_OUR_VIEWS)
 
 
 def _naive(name: str, *, gate: bool) -> Maker:
@@ -118,13 +119,13 @@ def _naive(name: str, *, gate: bool) -> Maker:
 
 def _largest(name: str, *, gate: bool) -> Maker:
     return lambda _, __: SearchMethod(
-        name=name, policy=LargestMaskPolicy(gate=gate, remembers=False), belief=None, looks=OVERHEAD
+        name=name, policy=LargestMaskPolicy(gate=gate, remembers=False), belief=None, **_ONE_IMAGE
     )
 
 
 def _random(name: str, *, gate: bool) -> Maker:
     return lambda _, seed: SearchMethod(
-        name=name, policy=RandomPolicy(seed=seed, gate=gate, remembers=False), belief=None, looks=OVERHEAD
+        name=name, policy=RandomPolicy(seed=seed, gate=gate, remembers=False), belief=None, **_ONE_IMAGE
     )
 
 
@@ -147,7 +148,8 @@ METHODS: Mapping[str, Maker] = {
     "xray": _xray("xray", gate=False),
     "xray_gate": _xray("xray_gate", gate=True),
     "xray_equal": _xray("xray_equal", gate=True, equal=True),
-    "xray_views": _xray_views,
+    "xray_views": _xray_views("xray_views", gate=True),
+    "xray_views_no_gate": _xray_views("xray_views_no_gate", gate=False),
     "naive": _naive("naive", gate=False),
     "naive_gate": _naive("naive_gate", gate=True),
     "largest": _largest("largest", gate=False),

@@ -72,6 +72,7 @@ ARMS: Mapping[str, Arm] = {
 GATE_ARMS: Mapping[str, Arm] = {
     "fusebot_own_no_gate": Arm("fusebot_no_gate", 0, "target"),
     "xray_gate": Arm("xray_gate"),
+    "xray_views_no_gate": Arm("xray_views_no_gate"),
     "naive_gate": Arm("naive_gate"),
     "largest": Arm("largest"),
     "largest_gate": Arm("largest_gate"),
@@ -83,6 +84,7 @@ GATE_PAIRS: Sequence[tuple[str, str]] = (
     ("fusebot_0", "fusebot_no_gate"),
     ("fusebot_own", "fusebot_own_no_gate"),
     ("xray_gate", "xray"),
+    ("xray_views", "xray_views_no_gate"),
     ("naive_gate", "naive"),
     ("largest_gate", "largest"),
     ("random_gate", "random"),

@@ -9,7 +9,8 @@ from planners.grasp_quality import AntipodalQuality
 from planners.pile_search import PileSearch, PileSearchRules
 from planners.search_method import SearchMethod
 from rfcompass.errors import InputError
-from rfcompass.interfaces import GraspQuality, Segmenter, Surveyor
+from rfcompass.interfaces import GraspQuality, Segmenter
+from rfcompass.localization import SarSurveyor
 from rfcompass.mapping import DepthSegmenter
 from rfcompass.simulation.piles import PileScene, TaggedItems, tag_items
 from rfcompass.studies.pile_robot import SimulatedPileRobot
@@ -54,7 +55,7 @@ class SearchTask:
     rules: PileSearchRules = field(default_factory=PileSearchRules)
     spacing_m: float = SPACING_M
     absent: bool = False
-    surveyor: Surveyor = PILE_SAR
+    surveyor: SarSurveyor = PILE_SAR
 
     def robot(self) -> SimulatedPileRobot:
         """Put a robot over the pile."""

@@ -8,7 +8,7 @@ as in [Boroushaki2023], Eq. 1. Loaders remove the reader's sign convention (`pha
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -109,6 +109,38 @@ class ReadTrace(Record):
     def reads(self) -> int:
         """Number of reads behind this record."""
         return int(self.read_counts.sum())
+
+    def then(self, later: "ReadTrace") -> "ReadTrace":
+        """Reads of the same tag at the same place, along one way after another.
+
+        Raises:
+            ShapeError: If they are of two tags, or of two kinds of reader.
+        """
+        pair = (self, later)
+        if self.epc != later.epc:
+            raise ShapeError(f"ReadTrace[{self.epc}]: then {later.epc}", name="epc")
+        if self.phase_modulus_rad != later.phase_modulus_rad:
+            raise ShapeError(f"ReadTrace[{self.epc}]: phases of two moduli", name="phase_modulus_rad")
+        if (self.tx_positions_m is None) != (later.tx_positions_m is None):
+            raise ShapeError(f"ReadTrace[{self.epc}]: monostatic and bistatic", name="tx_positions_m")
+        frequencies_hz = np.union1d(self.frequencies_hz, later.frequencies_hz)
+        columns = [np.searchsorted(frequencies_hz, of.frequencies_hz) for of in pair]
+        M = [len(of.antenna_positions_m) for of in pair]
+        channel = np.zeros((sum(M), frequencies_hz.size), dtype=np.complex128)
+        read_counts = np.zeros(channel.shape, dtype=np.int64)
+        for first, of, column in zip((0, M[0]), pair, columns, strict=True):
+            rows = np.arange(first, first + len(of.antenna_positions_m))[:, None]
+            channel[rows, column], read_counts[rows, column] = of.channel, of.read_counts
+        sent_m = [of.tx_positions_m for of in pair if of.tx_positions_m is not None]
+        return replace(
+            self,
+            antenna_positions_m=np.concatenate([of.antenna_positions_m for of in pair]),
+            frequencies_hz=frequencies_hz,
+            channel=channel,
+            read_counts=read_counts,
+            antenna_ports=np.concatenate([of.antenna_ports for of in pair]),
+            tx_positions_m=np.concatenate(sent_m) if sent_m else None,
+        )
 
     def round_trip_m(self, points_m: FloatArray) -> FloatArray:
         """Length antenna → point → antenna for each point and antenna position [m], shape (P, M).

@@ -1,18 +1,19 @@
 """The search ends when it should, with the reason, and remembers what it should; the robot plays by a script."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 
 from planners import pile_search
-from planners.extraction import ActionCosts, Cluster
+from planners.extraction import ActionCosts, Cluster, LargestMaskPolicy
 from planners.pile_search import PileSearch, PileSearchRules
 from planners.search_beliefs import PaperBelief, PosteriorBelief
 from planners.search_method import CLUSTER, NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, InputError, NothingToGrasp, OutOfReach
+from rfcompass.interfaces import ExtractionPolicy
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import (
     DepthView,
@@ -70,6 +71,9 @@ class ScriptedRobot:
     done: list[ExtractionAction] = field(default_factory=list)
     asked: list[ExtractionAction] = field(default_factory=list)
     scans: int = 0
+    listened: int = 0
+    heard_again: tuple[TagFix, ...] = ()
+    asked_tags: list[tuple[TagFix, ...]] = field(default_factory=list)
     heights_m: list[float] = field(default_factory=list)
 
     def scan(self) -> PileLook:
@@ -78,10 +82,17 @@ class ScriptedRobot:
         views = [self._image(x, y, 0.7) for x, y in ((-0.1, 0.0), (0.1, 0.0), (0.0, 0.1))]
         return PileLook(tuple(views), self.fixes)
 
-    def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+    def listen_again(self) -> tuple[TagFix, ...]:
+        self.listened += 1
+        self.elapsed_s += 3.0
+        return self.heard_again
+
+    def look(self, point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
         if self.blind:
             raise OutOfReach("the arm cannot look there")
         self.heights_m.append(height_m)
+        self.asked_tags.append(tuple(tags))
+        epcs = [fix.epc for fix in tags]
         heard = tuple(fix for fix in self.heard_later if fix.epc in epcs)
         return PileLook((self._image(float(point_m[0]), float(point_m[1]), height_m),), heard)
 
@@ -134,7 +145,7 @@ class AnyGrasps:
         return GraspMaps(flat + 0.5, flat, flat + 0.05, flat + 0.02)
 
 
-def search(robot: ScriptedRobot, policy: Noted | None = None, **more: object) -> PileSearch:
+def search(robot: ScriptedRobot, policy: ExtractionPolicy | None = None, **more: object) -> PileSearch:
     method = SearchMethod(name="test", policy=policy or Noted(), **more)
     return PileSearch(
         robot=robot,
@@ -173,7 +184,7 @@ def test_fifteen_actions_are_the_most() -> None:
     assert (result.outcome, result.actions) == ("too_many_actions", 15)
 
 
-@pytest.mark.parametrize("outcome", ["slipped", "missed", "blocked", "unreachable"])
+@pytest.mark.parametrize("outcome", ["slipped", "missed", "blocked"])
 def test_five_failures_in_a_row_end_it_but_not_five_in_all(outcome: str) -> None:
     failed = GraspAttempt(outcome, 0.0, 2.0)
     assert search(ScriptedRobot([failed])).run().actions == 5
@@ -278,10 +289,10 @@ def test_where_the_arm_cannot_look_from_near_the_image_of_all_will_do(red_from: 
     class High(ScriptedRobot):
         """Cannot come near the table."""
 
-        def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+        def look(self, point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
             if height_m < OVERHEAD_M:
                 raise OutOfReach("too low")
-            return super().look(point_m, height_m, epcs)
+            return super().look(point_m, height_m, tags)
 
     robot = High([FOUND], red_from)
     assert (search(robot).run().outcome, robot.heights_m) == ("found", [OVERHEAD_M])
@@ -291,8 +302,8 @@ def test_a_camera_below_the_table_is_not_passed_over() -> None:
     class Low(ScriptedRobot):
         """Its frames are wrong after a grasp."""
 
-        def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
-            look = super().look(point_m, height_m, epcs)
+        def look(self, point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
+            look = super().look(point_m, height_m, tags)
             if not self.done:
                 return look
             low = look.views[0].T_world_camera.copy()
@@ -319,8 +330,8 @@ def test_each_action_is_told_also_the_one_after_which_the_camera_is_blocked() ->
     class GoesBlind(ScriptedRobot):
         """Sees nothing after a grasp."""
 
-        def look(self, point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
-            look = super().look(point_m, height_m, epcs)
+        def look(self, point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
+            look = super().look(point_m, height_m, tags)
             dark = replace(look.views[0], depth_m=np.full((H, W), np.nan))
             return PileLook((dark,)) if self.done else look
 
@@ -337,15 +348,45 @@ def test_a_method_that_looks_closer_does_so_before_each_removal() -> None:
     assert len(near.heights_m) == len(far.heights_m) + 2
 
 
-def test_a_tag_that_is_not_located_calls_for_one_more_scan_whose_time_counts() -> None:
-    for robot, scans in (
-        (ScriptedRobot([FOUND]), 2),
-        (ScriptedRobot([FOUND], fixes=(fix(0.1, confident=False),)), 2),
-        (ScriptedRobot([FOUND], fixes=(fix(0.1),)), 1),
-    ):
-        result = search(robot).run()
-        assert robot.scans == scans
-        assert result.elapsed_s == pytest.approx(10.0 * scans + 2.0)
+UNSURE = TagFix(EPC, np.array([0.1, 0.0, 0.05]), np.full(3, 0.05), False)
+
+
+@pytest.mark.parametrize(("fixes", "listened"), [((), 1), ((UNSURE,), 1), ((replace(UNSURE, confident=True),), 0)])
+def test_a_tag_that_is_not_located_is_listened_to_on_another_way_whose_time_counts(
+    fixes: tuple[TagFix, ...], listened: int
+) -> None:
+    robot = ScriptedRobot([FOUND], fixes=fixes)
+    result = search(robot).run()
+    assert (robot.scans, robot.listened) == (1, listened)
+    assert result.elapsed_s == pytest.approx(10.0 + 3.0 * listened + 2.0)
+
+
+def test_what_was_heard_on_both_ways_counts() -> None:
+    robot = ScriptedRobot([FOUND], fixes=(UNSURE,), heard_again=(fix(0.05),))
+    assert search(robot).run().tags_located == 1
+
+
+def test_nobody_listens_again_where_the_target_is_in_sight_or_nothing_carries_a_tag() -> None:
+    seen, untagged = ScriptedRobot([FOUND], red_from=0), ScriptedRobot([FOUND])
+    search(seen).run()
+    replace(search(untagged), sizes=()).run()
+    assert (seen.listened, untagged.listened) == (0, 0)
+
+
+def test_the_targets_own_tag_is_one_that_is_known_of() -> None:
+    robot = ScriptedRobot([FOUND])
+    replace(search(robot), sizes=(), target=replace(TARGET, epc=EPC)).run()
+    assert robot.listened == 1
+
+
+def test_another_way_that_the_arm_cannot_go_ends_nothing() -> None:
+    class Stiff(ScriptedRobot):
+        """Goes round in one way alone."""
+
+        def listen_again(self) -> tuple[TagFix, ...]:
+            raise OutOfReach("the arm cannot go there")
+
+    assert search(Stiff([FOUND])).run().found
 
 
 def test_located_tags_are_those_before_the_first_action() -> None:
@@ -358,8 +399,10 @@ class NotedBelief:
     """Notes which fixes it was given."""
 
     seen: list[dict[str, float]] = field(default_factory=list)
+    fixes: list[dict[str, TagFix]] = field(default_factory=list)
 
     def believe(self, seen, target, fixes, sizes):  # type: ignore[no-untyped-def]
+        self.fixes.append(dict(fixes))
         self.seen.append({epc: float(one.point_m[0]) for epc, one in fixes.items()})
         return PaperBelief().believe(seen, target, {}, ())
 
@@ -380,11 +423,12 @@ def test_a_tag_near_a_grasp_is_where_it_is_heard_next(x_m: float, then_m: float)
     assert (before, after) == (x_m, then_m)
 
 
-def test_a_confident_fix_is_not_lost_to_one_that_is_not() -> None:
+def test_a_tag_that_has_gone_further_than_it_is_followed_has_no_place_and_is_listened_to_no_more() -> None:
     belief = NotedBelief()
-    robot = ScriptedRobot([HELD, FOUND], fixes=(fix(0.1),), heard_later=(fix(0.0, confident=False),))
+    robot = ScriptedRobot([HELD, HELD, FOUND], fixes=(fix(0.1),), heard_later=(fix(0.0, confident=False),))
     search(robot, belief=belief).run()
-    assert list(belief.seen[1].values()) == [0.1]
+    assert [next(iter(told.values())).confident for told in belief.fixes] == [True, False, False]
+    assert [len(tags) for tags in robot.asked_tags if tags] == [1]
 
 
 def test_an_overhead_method_looks_from_where_it_sees_all() -> None:
@@ -442,20 +486,79 @@ def test_what_the_arm_cannot_reach_is_not_chosen() -> None:
     assert all(np.linalg.norm(done.T_world_hand[:2, 3] - place_m) >= 0.02 for place_m in refused_m)
 
 
-def test_where_the_arm_reaches_nothing_it_tries_and_counts_a_failure() -> None:
-    unreachable = GraspAttempt("unreachable", 0.04, 0.0)
-    result = search(ScriptedRobot([unreachable], out_of_reach=10**6)).run()
-    assert (result.outcome, result.failed_grasps) == ("too_many_failures", 5)
+UNREACHED = GraspAttempt("unreachable", 0.04, 0.0, message="too far")
+
+
+def test_where_the_arm_reaches_nothing_five_times_that_is_the_end_and_the_reason() -> None:
+    result = search(ScriptedRobot([UNREACHED], out_of_reach=10**6)).run()
+    assert (result.outcome, result.failed_grasps) == ("out_of_reach", 5)
+    assert "too far" in result.message
+    missed_once = search(ScriptedRobot([UNREACHED] * 4 + [MISSED], out_of_reach=10**6)).run()
+    assert missed_once.outcome == "too_many_failures"
+
+
+class HalfReach(ScriptedRobot):
+    """Reaches the thing at the left border of the image alone."""
+
+    def reaches(self, action: ExtractionAction) -> bool:
+        self.asked.append(action)
+        return bool(abs(action.T_world_hand[0, 3]) > 0.1)
+
+
+@pytest.mark.parametrize("gate", [True, False])
+def test_an_object_that_the_arm_cannot_reach_does_not_block_one_that_it_can(gate: bool) -> None:
+    robot = HalfReach([FOUND])
+    policy = LargestMaskPolicy(gate=gate, tau=0.1)
+    both = WithAStrip()
+    begun = search(robot, policy, looks=OVERHEAD, belief=None)
+    assert replace(begun, segmenter=both, quality=both).run().found
+    assert len(robot.done) == 1
+    assert abs(robot.done[0].T_world_hand[0, 3]) > 0.1
+
+
+def test_a_grasp_that_only_the_far_image_shows_in_reach_is_made() -> None:
+    class High(ScriptedRobot):
+        """Reaches the grasps of a policy alone, which are 8 cm high."""
+
+        def reaches(self, action: ExtractionAction) -> bool:
+            return bool(np.isclose(action.T_world_hand[2, 3], 0.08))
+
+    robot = High([FOUND])
+    search(robot, looks=OVERHEAD, looks_closer=True).run()
+    assert robot.done[0].T_world_hand[2, 3] == pytest.approx(0.08)
+
+
+def test_a_target_that_only_the_image_of_all_shows_is_grasped() -> None:
+    class FromAfar(ScriptedRobot):
+        """Its near images are not sharp enough to show a colour."""
+
+        def _image(self, x_m: float, y_m: float, z_m: float) -> DepthView:
+            return image(x_m, y_m, z_m, box=self.box, red=z_m == OVERHEAD_M)
+
+    result = search(FromAfar([FOUND]), Noted(refuses=True)).run()
+    assert [step.on_target for step in result.steps] == [True]
+
+
+def test_a_method_without_a_map_begins_with_the_image_of_all() -> None:
+    robot = ScriptedRobot([HELD, FOUND])
+    result = search(robot, looks=OVERHEAD, belief=None, scans=False).run()
+    assert (result.outcome, robot.scans, robot.listened, robot.heights_m[0]) == ("found", 0, 0, OVERHEAD_M)
+
+
+@pytest.mark.parametrize("needs", [{"belief": PaperBelief(), "looks": OVERHEAD}, {"belief": None, "looks": CLUSTER}])
+def test_a_map_needs_a_scan(needs: dict[str, object]) -> None:
+    with pytest.raises(InputError, match="scans"):
+        SearchMethod(name="test", policy=Noted(), scans=False, **needs)
 
 
 def test_a_look_after_a_grasp_that_the_arm_cannot_take_ends_nothing() -> None:
     robot = ScriptedRobot([HELD, FOUND])
     look = robot.look
 
-    def not_after(point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+    def not_after(point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
         if len(robot.done) > len(robot.heights_m) - 1:  # one look before each action, none after it
             raise OutOfReach("the arm cannot look there")
-        return look(point_m, height_m, epcs)
+        return look(point_m, height_m, tags)
 
     robot.look = not_after  # type: ignore[method-assign]
     robot.heights_m.append(0.0)
@@ -466,10 +569,10 @@ def test_a_closer_look_that_the_arm_cannot_take_leaves_the_first_choice() -> Non
     robot = ScriptedRobot([FOUND])
     look = robot.look
 
-    def not_near(point_m: FloatArray, height_m: float, epcs: Collection[str] = ()) -> PileLook:
+    def not_near(point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
         if height_m < OVERHEAD_M:
             raise OutOfReach("the arm cannot look there")
-        return look(point_m, height_m, epcs)
+        return look(point_m, height_m, tags)
 
     robot.look = not_near  # type: ignore[method-assign]
     assert search(robot, looks=OVERHEAD, looks_closer=True).run().actions == 1

@@ -38,6 +38,7 @@ EQUAL = {
     "fusebot_posterior": (FuseBotPolicy, PosteriorBelief),
     "xray_equal": (XRayPolicy, type(None)),
     "xray_views": (MapMassPolicy, XRayBelief),
+    "xray_views_no_gate": (MapMassPolicy, XRayBelief),
 }
 
 
@@ -55,6 +56,7 @@ def test_a_literal_method_has_the_papers_views_updates_and_no_memory(name):
     method = made(name)
     assert (type(method.policy), type(method.belief), method.policy.gate) == (policy, belief, gate)
     assert (method.looks, method.looks_closer, method.update_edge_m) == (looks, False, 0.10)
+    assert method.scans == (method.belief is not None)
     assert (method.remembers, method.policy.remembers, method.costs) == (False, False, None)
 
 
@@ -62,8 +64,9 @@ def test_a_literal_method_has_the_papers_views_updates_and_no_memory(name):
 def test_the_others_have_the_same_views_updates_and_memory(name):
     policy, belief = EQUAL[name]
     method = made(name)
-    assert (type(method.policy), type(method.belief), method.policy.gate) == (policy, belief, True)
-    assert (method.looks, method.looks_closer, method.update_edge_m) == ("overhead", True, 0.60)
+    gate = not name.endswith("_no_gate")
+    assert (type(method.policy), type(method.belief), method.policy.gate) == (policy, belief, gate)
+    assert (method.looks, method.looks_closer, method.update_edge_m, method.scans) == ("overhead", True, 0.60, True)
     assert (method.remembers, method.policy.remembers) == (True, True)
     assert (method.costs is not None) == (name == "ours")
 

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from rfcompass.simulation.piles.rays import count_alone as count_alone
     from rfcompass.simulation.piles.scanning import PileRig as PileRig
     from rfcompass.simulation.piles.scanning import PileScan as PileScan
+    from rfcompass.simulation.piles.scanning import RadioSetting as RadioSetting
     from rfcompass.simulation.piles.scanning import TagCover as TagCover
     from rfcompass.simulation.piles.scanning import hear_tags as hear_tags
     from rfcompass.simulation.piles.scanning import scan_pile as scan_pile
@@ -97,6 +98,7 @@ _HOME = {
     "pour": "pouring",
     "PileRig": "scanning",
     "PileScan": "scanning",
+    "RadioSetting": "scanning",
     "TagCover": "scanning",
     "hear_tags": "scanning",
     "scan_pile": "scanning",
@@ -145,6 +147,7 @@ __all__ = [
     "PileWorld",
     "PoseNoise",
     "Pouring",
+    "RadioSetting",
     "Settling",
     "Sight",
     "TagCover",

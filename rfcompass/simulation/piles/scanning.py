@@ -4,7 +4,7 @@ The pile stands on the table top of the recipe `tabletop`: walls, the reflecting
 the clutter. What lies over a tag costs power and delays the wave by its material, every panel of a cover for itself.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numba
@@ -95,6 +95,34 @@ class TagCover(Record):
         return np.asarray((self.things > 0).mean(axis=0))
 
 
+@dataclass(frozen=True, slots=True)
+class RadioSetting(Record):
+    """What stays as it is from one scan of a pile to the next: truth.
+
+    Attributes:
+        around: The room with the small things about the table.
+        phase_rad: Constant that each tag adds to the phase of its echo [rad], by EPC.
+        gain_db: How much better each tag's antenna is than its model's [dB], by EPC.
+    """
+
+    around: RadioScene
+    phase_rad: Mapping[str, float]
+    gain_db: Mapping[str, float]
+
+    @classmethod
+    def draw(cls, epcs: Sequence[str], rng: np.random.Generator, rig: PileRig | None = None) -> "RadioSetting":
+        """Draw the small things, and the constants of some tags."""
+        spread_db = (PileRig() if rig is None else rig).tags.gain_spread_db
+        phase_rad, gain_db = rng.uniform(0.0, 2.0 * np.pi, len(epcs)), rng.normal(0.0, spread_db, len(epcs))
+        pairs = (dict(zip(epcs, values.tolist(), strict=True)) for values in (phase_rad, gain_db))
+        return cls(_small_things(rng), *pairs)
+
+    def placed(self, epcs: Sequence[str], points_m: FloatArray, dipoles: FloatArray, model: TagModel) -> PlacedTags:
+        """Some of its tags where they are now; as for `PlacedTags.draw`."""
+        phase_rad, gain_db = (np.array([of[epc] for epc in epcs]) for of in (self.phase_rad, self.gain_db))
+        return PlacedTags(tuple(epcs), points_m, dipoles, model, phase_rad, gain_db)
+
+
 def scan_pile(
     world: PileWorld,
     tags: TaggedItems,
@@ -125,11 +153,16 @@ def scan_pile(
 
 
 def hear_tags(
-    world: PileWorld, tags: TaggedItems, track: AntennaTrack, rng: np.random.Generator, rig: PileRig | None = None
+    world: PileWorld,
+    tags: TaggedItems,
+    track: AntennaTrack,
+    rng: np.random.Generator,
+    rig: PileRig | None = None,
+    setting: RadioSetting | None = None,
 ) -> Inventory:
     """Take one inventory along a track of the receiving antenna; arguments and errors as for `scan_pile`.
 
-    What has rolled off the table is not heard.
+    What has rolled off the table is not heard. Who listens to one pile more than once gives the same setting each time.
     """
     rig = PileRig() if rig is None else rig
     placed_epcs, points_m, dipoles = tags.placed(world)
@@ -138,25 +171,26 @@ def hear_tags(
     if not epcs:
         raise PileError("nothing on the table carries a tag", key="tags", got=0)
     points_m, dipoles = points_m[near], dipoles[near]
-    T_room_world = np.eye(4)
-    T_room_world[:3, 3] = _MIDDLE_M
     points_m = np.maximum(points_m, [-np.inf, -np.inf, _LEAST_M]) + _MIDDLE_M
-    placed = PlacedTags.draw(epcs, points_m, dipoles, rig.tags, rng)
+    if setting is None:
+        placed = PlacedTags.draw(epcs, points_m, dipoles, rig.tags, rng)
+    else:
+        placed = setting.placed(epcs, points_m, dipoles, rig.tags)
     went = track.perturbed(rng, jitter_m=rig.jitter_m)
     went = replace(went, positions_m=went.positions_m + _MIDDLE_M)
-    return simulate_inventory(cluttered(world, T_room_world, rng), rig.rig, went, placed, rng, nominal_track=track)
+    around = _small_things(rng) if setting is None else setting.around
+    return simulate_inventory(_with_pile(around, world), rig.rig, went, placed, rng, nominal_track=track)
 
 
-def cluttered(world: PileWorld, T_room_world: FloatArray, rng: np.random.Generator) -> RadioScene:
-    """The pile in its room, with the recipe's small things about it.
+def _small_things(rng: np.random.Generator) -> RadioScene:
+    """The room of the recipe, with its small things about the table."""
+    return load_recipe("tabletop").draw(rng, part_m=_MIDDLE_M[:2])
 
-    Args:
-        world: The pile.
-        T_room_world: Where the table's frame is in the room, shape (4, 4).
-        rng: Source of the small things.
-    """
-    x_m, y_m = T_room_world[:2, 3].tolist()
-    around = load_recipe("tabletop").draw(rng, part_m=(x_m, y_m))
+
+def _with_pile(around: RadioScene, world: PileWorld) -> RadioScene:
+    """The same room with the pile in it."""
+    T_room_world = np.eye(4)
+    T_room_world[:3, 3] = _MIDDLE_M
     pile = radio_scene(world, T_room_world)
     scene = replace(around.scene, materials={**around.scene.materials, **pile.materials})
     return replace(around, scene=scene.with_obstacles(pile.obstacles))
