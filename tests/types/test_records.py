@@ -255,3 +255,27 @@ def test_an_orientation_that_is_not_observable_stays_so():
     assert np.allclose(moved.covariance[:2, :2], np.diag([1.0, 4.0]))
     with pytest.raises(ShapeError):
         PartEstimate("leg", np.zeros(2), 0.1, "partition", 1, covariance=covariance)
+
+
+def test_reads_of_one_way_after_another_keep_every_cell_and_all_carriers():
+    more = a_trace(
+        antenna_positions_m=[[9.0, 9, 9]], frequencies_hz=[9.1e8, 9.2e8], channel=[[3, 0]], read_counts=[[5, 0]],
+        antenna_ports=[2],
+    )  # fmt: skip
+    joined = a_trace().then(more)
+    np.testing.assert_array_equal(joined.frequencies_hz, [9.0e8, 9.1e8, 9.2e8])
+    np.testing.assert_array_equal(joined.channel, [[1j, 0, 0], [1, 2, 0], [0, 3, 0]])
+    np.testing.assert_array_equal(joined.read_counts, [[3, 0, 0], [1, 1, 0], [0, 5, 0]])
+    np.testing.assert_array_equal(joined.antenna_ports, [1, 1, 2])
+    np.testing.assert_array_equal(joined.antenna_positions_m[2], [9, 9, 9])
+    assert joined.reads == a_trace().reads + more.reads
+
+
+@pytest.mark.parametrize(
+    "other",
+    [{"epc": "b"}, {"phase_modulus_rad": np.pi}, {"tx_positions_m": np.zeros((2, 3))}],
+    ids=lambda other: next(iter(other)),
+)
+def test_reads_of_two_tags_or_readers_are_not_joined(other):
+    with pytest.raises(ShapeError):
+        a_trace().then(a_trace(**other))
