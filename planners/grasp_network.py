@@ -1,21 +1,22 @@
 """Your own grasp network in the place of ours, one that answers with images as GG-CNN does [Morrison2018]."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import ndimage
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ShapeError
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, GraspMaps
 
-_GGCNN_WIDTH_PX = 150.0  # of the published code of [Morrison2018]
+# Of the published code of [Morrison2018]: edge of the images it was trained on, and the unit of its widths.
+_GGCNN_PX, _GGCNN_WIDTH_PX = 300, 150.0
+Images = tuple[FloatArray, FloatArray, FloatArray]
 
 
-def ggcnn_answer(
-    quality: FloatArray, cos: FloatArray, sin: FloatArray, width: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def ggcnn_answer(quality: FloatArray, cos: FloatArray, sin: FloatArray, width: FloatArray) -> Images:
     """Turn the four outputs of a GG-CNN [Morrison2018] into what `NetworkGraspQuality` expects.
 
     Its angle is counted anticlockwise as one looks at the image, ours from columns to rows, clockwise. Its width is in
@@ -32,6 +33,53 @@ def ggcnn_answer(
     return np.clip(quality, 0.0, 1.0), angle, np.maximum(width, 0.0) * _GGCNN_WIDTH_PX
 
 
+def ggcnn_network(
+    forward: Callable[[FloatArray], Sequence[FloatArray]], size_px: int = _GGCNN_PX
+) -> Callable[[FloatArray], Images]:
+    """Let a GG-CNN of a fixed image size [Morrison2018] rate images of any size, for `NetworkGraspQuality`.
+
+    What was not seen takes the depth of the nearest pixel that was. The image is made square by its border, scaled to
+    the network's size, and its mean taken off, within ± 1 m. The published code cuts a square out instead, fills
+    holes by inpainting, and smooths the answer.
+
+    Args:
+        forward: Takes such an image, shape (size_px, size_px); gives quality, cos(2φ), sin(2φ) and width, same shape.
+        size_px: Edge of the image that the network takes.
+    """
+
+    def network(depth_m: FloatArray) -> Images:
+        rows, columns = depth_m.shape
+        edge = max(rows, columns)
+        above, left = (edge - rows) // 2, (edge - columns) // 2
+        border = ((above, edge - rows - above), (left, edge - columns - left))
+        scaled = _resampled(np.pad(_without_holes(depth_m), border, mode="edge"), size_px)
+        answer = [np.asarray(image, dtype=np.float64) for image in forward(np.clip(scaled - scaled.mean(), -1.0, 1.0))]
+        if [image.shape for image in answer] != [(size_px, size_px)] * 4:
+            got = [image.shape for image in answer]
+            message = f"the network gave images of {got}, not four of {(size_px, size_px)}"
+            raise ShapeError(message, name="answer", expected=(size_px, size_px), got=got)
+        own = [_resampled(image, edge)[above : above + rows, left : left + columns] for image in answer]
+        quality, angle, width_px = ggcnn_answer(own[0], own[1], own[2], own[3])
+        return quality, angle, width_px * edge / size_px
+
+    return network
+
+
+def _without_holes(depth_m: FloatArray) -> FloatArray:
+    """Depth with the nearest pixel's where there is none; 0 where nothing was seen at all."""
+    blind = np.isnan(depth_m)
+    if blind.all():
+        return np.zeros(depth_m.shape)
+    nearest = ndimage.distance_transform_edt(blind, return_distances=False, return_indices=True)
+    return np.asarray(depth_m[tuple(nearest)])
+
+
+def _resampled(image: FloatArray, edge: int) -> FloatArray:
+    """A square image at another size, linear between the middles of pixels."""
+    at = (np.arange(edge) + 0.5) * len(image) / edge - 0.5
+    return np.asarray(ndimage.map_coordinates(image, np.meshgrid(at, at, indexing="ij"), order=1, mode="nearest"))
+
+
 @dataclass(frozen=True, kw_only=True)
 class NetworkGraspQuality:
     """Let any function rate grasps in a depth image; a `GraspQuality`. For a camera that looks straight down.
@@ -45,7 +93,7 @@ class NetworkGraspQuality:
         above_table_m: The tips stay so far above it [m].
     """
 
-    network: Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+    network: Callable[[FloatArray], Images]
     depth_m: float = 0.03
     table_m: float = 0.0
     above_table_m: float = 0.004

@@ -54,6 +54,23 @@ class JawSizes(Record):
             raise InputError(message, got=reach_m, most=REACH_M)
 
 
+def grasp_quality(depth_m: FloatArray, intrinsics: FloatArray, T_world_camera: FloatArray) -> GraspMaps:
+    """Rate the grasps of the default hand in a bare depth image: `AntipodalQuality` without records.
+
+    Args:
+        depth_m: Distance along the optical axis [m], NaN where nothing was seen, shape (H, W).
+        intrinsics: Pinhole matrix [pixel], shape (3, 3).
+        T_world_camera: Camera pose, x right, y down, z forward, shape (4, 4). The world's z is up, the table at 0.
+
+    Returns:
+        Quality, angle, width and depth of the best grasp at each pixel.
+
+    Raises:
+        ShapeError: If a shape is wrong, or a depth not positive.
+    """
+    return AntipodalQuality().quality(DepthView(depth_m, intrinsics, T_world_camera))
+
+
 @dataclass(frozen=True, slots=True)
 class GraspEvidence(Record):
     """What the qualities of a view come from, for those who fit and who doubt.

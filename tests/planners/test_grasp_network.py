@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from standing_boxes import Upright, look, pixel_of
 
 from planners.grasp_at_pixel import grasp_at_pixel
-from planners.grasp_network import NetworkGraspQuality, ggcnn_answer
+from planners.grasp_network import NetworkGraspQuality, ggcnn_answer, ggcnn_network
 from rfcompass.errors import ShapeError
 from rfcompass.interfaces import GraspQuality
 
@@ -87,3 +87,47 @@ def test_a_ggcnn_counts_its_angle_anticlockwise_as_one_looks_at_the_image(angle_
     assert across == pytest.approx(0.0, abs=1e-9)
     assert quality == pytest.approx(min(max(said, 0.0), 1.0))
     assert width_px == pytest.approx(150.0 * max(width, 0.0))
+
+
+class OnlySquares:
+    """As the published layers: takes images of one size alone. What stands out of the mean most is the best grasp."""
+
+    def __init__(self, size_px):
+        self.size_px = size_px
+
+    def __call__(self, image):
+        assert image.shape == (self.size_px, self.size_px)
+        assert np.isfinite(image).all()
+        assert abs(image).max() <= 1.0
+        nearer = np.maximum(-image, 0.0)
+        flat = np.ones(image.shape)
+        return nearer / nearer.max(), np.cos(0.6) * flat, np.sin(0.6) * flat, 0.2 * flat
+
+
+@pytest.mark.parametrize("shape", [(90, 160), (160, 90), (120, 120)])
+@pytest.mark.parametrize("size_px", [60, 300])
+def test_a_network_of_one_size_rates_images_of_any(shape, size_px):
+    depth_m = np.full(shape, 0.6)
+    depth_m[20:30, 60:72] = 0.5
+    depth_m[24, 65] = depth_m[0, 0] = np.nan
+    quality, angle, width_px = ggcnn_network(OnlySquares(size_px), size_px)(depth_m)
+    assert quality.shape == angle.shape == width_px.shape == shape
+    middle = np.argwhere(quality > 0.9 * quality.max()).mean(axis=0)
+    assert np.abs(middle - [24.5, 65.5]).max() < 1.0
+    assert np.allclose(angle, -0.3)
+    assert np.allclose(width_px, 0.2 * 150 * max(shape) / size_px)
+
+
+def test_a_view_without_any_depth_has_no_grasp_for_it_either():
+    view = look(BOX)
+    blind = type(view)(np.full(view.depth_m.shape, np.nan), view.intrinsics, view.T_world_camera)
+
+    def nothing(image):
+        return [np.zeros(image.shape)] * 4
+
+    assert not NetworkGraspQuality(network=ggcnn_network(nothing)).quality(blind).quality.any()
+
+
+def test_four_images_of_the_networks_size_are_asked_for():
+    with pytest.raises(ShapeError, match="four of"):
+        ggcnn_network(lambda image: [image[1:]] * 4)(np.full((90, 160), 0.6))

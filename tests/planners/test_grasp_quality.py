@@ -7,7 +7,7 @@ from standing_boxes import Upright, look, pixel_of
 
 from planners.grasp_at_pixel import grasp_at_pixel
 from planners.grasp_number_kernels import CLOSING
-from planners.grasp_quality import AntipodalQuality, JawSizes
+from planners.grasp_quality import AntipodalQuality, JawSizes, grasp_quality
 from planners.height_map import HeightMap, height_map
 from rfcompass.errors import InputError, ShapeError
 from rfcompass.interfaces import GraspQuality
@@ -37,6 +37,16 @@ def best_pixel(maps):
 
 def test_it_is_a_grasp_quality():
     assert isinstance(QUALITY, GraspQuality)
+
+
+def test_a_bare_image_is_rated_as_a_view_is():
+    view = look(Upright(0.02, 0.01, 0.3, 0.07, 0.04, 0.05))
+    bare, maps = grasp_quality(view.depth_m, view.intrinsics, view.T_world_camera), QUALITY.quality(view)
+    assert bare.quality.max() > 0
+    for name in ("quality", "angle_rad", "width_m", "depth_m"):
+        np.testing.assert_array_equal(getattr(bare, name), getattr(maps, name))
+    with pytest.raises(ShapeError, match="positive"):
+        grasp_quality(-view.depth_m, view.intrinsics, view.T_world_camera)
 
 
 def test_an_empty_table_has_no_grasp():
