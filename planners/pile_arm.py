@@ -58,6 +58,12 @@ class ArmMotion(Record):
         return self.waiting_s + sum(stage.duration_s for stage in self.stages)
 
     @property
+    def closed_s(self) -> float:
+        """Time until the hand has closed: all that comes before what is held is lifted [s]."""
+        before = [stage.duration_s for stage in self.stages if stage.stage not in (LIFT, RETREAT)]
+        return self.waiting_s + sum(before)
+
+    @property
     def end(self) -> Configuration:
         """Joints at the end."""
         return Configuration(self.stages[-1].joints[-1])

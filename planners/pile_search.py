@@ -412,7 +412,13 @@ class PileSearch:
 
     def _ended(self, outcome: str, message: str) -> SearchResult:
         return SearchResult(
-            outcome, message, tuple(self._done), self.robot.elapsed_s, self._seen.unobserved_m3, self._located
+            outcome,
+            message,
+            tuple(self._done),
+            self.robot.elapsed_s,
+            self._seen.unobserved_m3,
+            self._located,
+            self._seen.room_m3(float(self.target.size_m.min())),
         )
 
 

@@ -11,7 +11,6 @@ from rfcompass.cli.output import EXIT_NO_ANSWER, JsonFlag, answering, messages, 
 
 if TYPE_CHECKING:
     from rfcompass.recordings.search_folder import StoredSearch
-    from rfcompass.simulation.piles import PileScene
     from rfcompass.studies.searching import SearchRun
     from rfcompass.types import SearchResult, SearchStep
 
@@ -75,13 +74,20 @@ def search_command(
         result = run.run(_told)
         write_search(as_folder(run, result, asked), folder, overwrite=overwrite)
         film = folder / FILM_FILE
-        messages().print(f"{result.message}; {result.elapsed_s:.0f} s of the arm; look at {film}", markup=False)
+        messages().print(f"{_ending(result)}; {result.elapsed_s:.0f} s of the arm; look at {film}", markup=False)
         if show:
             webbrowser.open(film.resolve().as_uri())
         if as_json:
             print_json({**answer_json(result), "policy": policy, "tagged": carry, "run": str(folder)})
         if not result.found:
             raise typer.Exit(EXIT_NO_ANSWER)
+
+
+def _ending(result: "SearchResult") -> str:
+    """How it ended, with the map's verdict on a target that was not found."""
+    if result.found or result.room_m3 is None:
+        return result.message
+    return f"{result.message}; {1000 * result.room_m3:.2f} l are left in which it could lie"
 
 
 def _told(step: "SearchStep") -> None:
@@ -107,11 +113,12 @@ def answer_json(result: "SearchResult") -> dict[str, Any]:
         "failed_grasps": result.failed_grasps,
         "elapsed_s": result.elapsed_s,
         "hidden_m3": result.hidden_m3,
+        "room_m3": result.room_m3,
         "tags_located": result.tags_located,
     }
     if result.found:
         return answer
-    numbers = {"actions": result.actions, "hidden_m3": result.hidden_m3}
+    numbers = {"actions": result.actions, "hidden_m3": result.hidden_m3, "room_m3": result.room_m3}
     return {**answer, "failure": {"kind": result.outcome, "message": result.message, **numbers}}
 
 
@@ -137,19 +144,15 @@ def as_folder(run: "SearchRun", result: "SearchResult", asked: dict[str, Any]) -
     """All that a search leaves behind."""
     from rfcompass.recordings.search_folder import FILM_FILE, PILE_FILE, REPORT_FILE, StoredSearch
     from rfcompass.simulation.piles import write_pile
+    from rfcompass.studies.pile_scan import pile_trace
     from rfcompass.studies.search_film import film_of
     from rfcompass.studies.versions import software_versions
     from rfcompass.viz.search_film import draw_search
     from rfcompass.viz.search_report import write_search_report
 
     steps = [step_json(number, step) for number, step in enumerate(result.steps, start=1)]
-    facts = (
-        ("policy", str(asked["policy"])),
-        ("outcome", result.outcome),
-        ("actions", str(result.actions)),
-        ("failed grasps", str(result.failed_grasps)),
-        ("time of the arm", f"{result.elapsed_s:.0f} s"),
-    )
+    facts = _facts(result, asked)
+    scanned = run.robot.scanned
     view = draw_search(run.robot.arm.ik.robot, film_of(run, result), facts)
     return StoredSearch(
         {**asked, "versions": software_versions()},
@@ -158,10 +161,25 @@ def as_folder(run: "SearchRun", result: "SearchResult", asked: dict[str, Any]) -
         {
             FILM_FILE: view.save,
             REPORT_FILE: lambda path: write_search_report(path, result, facts),
-            PILE_FILE: lambda path: write_pile(_scene(run), path),
+            PILE_FILE: lambda path: write_pile(run.task.scene, path),
         },
+        pile_trace(scanned) if scanned is not None and len(scanned.inventory) else None,
     )
 
 
-def _scene(run: "SearchRun") -> "PileScene":
-    return run.task.scene
+def _facts(result: "SearchResult", asked: dict[str, Any]) -> tuple[tuple[str, str], ...]:
+    """What film and report say beside the pictures: what was asked, and what came of it."""
+    told_by_truth = [what for what, key in (("masks", "true_masks"),) if asked[key]]
+    return (
+        ("policy", str(asked["policy"])),
+        ("pile", f"simulated, {asked['way']}: {asked['items']} things in {asked['piles']}, seed {asked['seed']}"),
+        ("target", "taken away before" if asked["absent"] else str(asked["target"])),
+        ("tags", f"{asked['tags_dealt']} on other things{', one on the target' if asked['tag_target'] else ''}"),
+        ("told by the simulator", ", ".join(told_by_truth) or "nothing"),
+        ("outcome", result.outcome),
+        ("actions", str(result.actions)),
+        ("failed grasps", str(result.failed_grasps)),
+        ("time of the arm", f"{result.elapsed_s:.0f} s"),
+        ("where nobody looked", f"{1000 * result.hidden_m3:.1f} l"),
+        ("where the target fits", "–" if result.room_m3 is None else f"{1000 * result.room_m3:.2f} l"),
+    )

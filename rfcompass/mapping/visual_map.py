@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import ndimage
 
 from rfcompass.arrays import BoolArray, FloatArray, read_only
 from rfcompass.errors import InputError, ShapeError
@@ -112,6 +113,17 @@ class VisualMap(Record):
     def unobserved_m3(self) -> float:
         """Volume where something can be hidden [m³]."""
         return float(self.unobserved.sum()) * self.workspace.spacing_m**3
+
+    def room_m3(self, edge_m: float) -> float:
+        """Volume where nothing was seen and a cube of some edge fits, besides into what is a surface [m³].
+
+        Slivers behind edges are no place for an item: whoever looks for one asks with its shortest edge. A cube is
+        taken one voxel smaller than it is, since it need not stand on the grid.
+        """
+        voxels = max(1, int(edge_m / self.workspace.spacing_m + 1e-9) - 1)
+        free_of_sight = self.unobserved | (self.states == SURFACE)
+        fits = ndimage.binary_opening(free_of_sight, structure=np.ones((voxels, voxels, voxels)))
+        return float((fits & self.unobserved).sum()) * self.workspace.spacing_m**3
 
     def uncertainty(self) -> VoxelGrid:
         """The map C: 1 where nothing is known, 0 elsewhere."""

@@ -13,10 +13,11 @@ from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, NoAnswer, OutOfReach, PileError, PileUnsettled
 from rfcompass.localization import SarSurveyor, follow_tag
 from rfcompass.robots import load_robot
-from rfcompass.simulation import AntennaTrack, inventory_scan
+from rfcompass.simulation import AntennaTrack, Inventory, inventory_scan
 from rfcompass.simulation.piles import (
     ExecutedGrasp,
     PileCamera,
+    PileScan,
     PileScene,
     PileWorld,
     RadioSetting,
@@ -67,7 +68,8 @@ class SimulatedPileRobot:
         world: The pile now; truth.
         taken: Numbers of the items in the drop zone, in order; truth.
         motions: What the arm did, and when each motion began [s].
-        tables: States of all items after each change, and when it was [s]; truth.
+        tables: States of all items after each grasp, and when the hand had closed [s]; truth.
+        scanned: What the first scan handed out; None while there was none, or nothing on the table carries a tag.
     """
 
     scene: PileScene
@@ -82,6 +84,7 @@ class SimulatedPileRobot:
     taken: list[int] = field(init=False, default_factory=list)
     motions: list[tuple[float, ArmMotion]] = field(init=False, default_factory=list)
     tables: list[tuple[float, Mapping[int, FloatArray]]] = field(init=False, default_factory=list)
+    scanned: PileScan | None = field(init=False, default=None)
     _heard: dict[str, ReadTrace] = field(init=False, repr=False, default_factory=dict)
     _shown: list[tuple[DepthView, InstanceMasks]] = field(init=False, repr=False, default_factory=list)
     _planned: tuple[tuple[bytes, bytes], ArmMotion | Failure] | None = field(init=False, repr=False, default=None)
@@ -119,7 +122,10 @@ class SimulatedPileRobot:
         views = [self._view(T) for T in self.way.camera_poses]
         around = ArmMotion((in_time(self.way.robot, REACH, path),), 0.0, self.way.camera_poses[-1])
         self._moved(_reading(around, len(self.way.track)) if self.tags.tags else around)
-        return PileLook(tuple(views), self._located(self._hears(self.way.track, rng)))
+        inventory = self._hears(self.way.track, rng)
+        if inventory is not None:
+            self.scanned = self.scanned or PileScan(tuple(views), inventory)
+        return PileLook(tuple(views), self._located(self._traces(inventory)))
 
     def listen_again(self) -> tuple[TagFix, ...]:
         """Go round on another way, and locate all tags from what was heard on both.
@@ -131,7 +137,7 @@ class SimulatedPileRobot:
         self._begin(way)
         around = ArmMotion((in_time(way.robot, REACH, way.motion.path),), 0.0, way.camera_poses[-1])
         self._moved(_reading(around, len(way.track)))
-        return self._located(self._hears(way.track, rng))
+        return self._located(self._traces(self._hears(way.track, rng)))
 
     def look(self, point_m: FloatArray, height_m: float, tags: Sequence[TagFix] = ()) -> PileLook:
         """Take an image from above a point, and listen on the way there to tags that may have been moved.
@@ -148,7 +154,7 @@ class SimulatedPileRobot:
             return PileLook((self._view(motion.T_world_link),))
         self._moved(_reading(motion, len(track)))
         view = self._view(motion.T_world_link)
-        return PileLook((view,), self._followed(self._hears(track, self._rng(2)), tags))
+        return PileLook((view,), self._followed(self._traces(self._hears(track, self._rng(2))), tags))
 
     def reaches(self, action: ExtractionAction) -> bool:
         """Plan the way to a grasp and to the drop zone."""
@@ -169,8 +175,8 @@ class SimulatedPileRobot:
         except PileUnsettled as why:
             raise ArmStopped(f"the arm stopped: {why}", during="grasp", **why.numbers) from why
         held, motion = done.outcome == HELD, _as_it_went(motion, done)
+        self.tables.append((self._elapsed_s + motion.closed_s, self.world.states))
         self._moved(motion)
-        self.tables.append((self._elapsed_s, self.world.states))
         self.taken.extend(done.taken)
         there = {tag.number: tag.epc for tag in self.tags.tags}
         return GraspAttempt(
@@ -231,16 +237,18 @@ class SimulatedPileRobot:
             raise OutOfReach(f"the arm cannot begin its scan: {motion.message}", **dict(motion.numbers))
         self._moved(ArmMotion((motion,), 0.0, way.camera_poses[0]))
 
-    def _hears(self, track: AntennaTrack, rng: np.random.Generator) -> Mapping[str, ReadTrace]:
-        """What tags of the table answer along a track."""
-        epcs = [tag.epc for tag in self.tags.tags]
-        if not epcs:
-            return {}
+    def _hears(self, track: AntennaTrack, rng: np.random.Generator) -> Inventory | None:
+        """What tags of the table answer along a track; None where no tag is."""
+        if not self.tags.tags:
+            return None
         try:
-            inventory = hear_tags(self.world, self.tags, track, rng, setting=self._setting)
+            return hear_tags(self.world, self.tags, track, rng, setting=self._setting)
         except PileError:  # all of them have rolled off the table
-            return {}
-        return inventory_scan(inventory, epcs, FRAME).traces
+            return None
+
+    def _traces(self, inventory: Inventory | None) -> Mapping[str, ReadTrace]:
+        epcs = [tag.epc for tag in self.tags.tags]
+        return {} if inventory is None else inventory_scan(inventory, epcs, FRAME).traces
 
     def _located(self, heard: Mapping[str, ReadTrace]) -> tuple[TagFix, ...]:
         """Locate all tags from what was heard since the scan began."""

@@ -153,9 +153,10 @@ class SearchResult(Record):
         message: The same in words, with the numbers.
         steps: Every action, in order.
         elapsed_s: Time that the arm moved, scans included [s].
-        hidden_m3: Volume in which the target could still be at the end [m³]: the map's own verdict on an item that was
-            not found.
+        hidden_m3: Volume that no view has looked into at the end [m³].
         tags_located: Tags that were located confidently before the first action.
+        room_m3: The part of it in which something as thick as the target's shortest edge fits [m³]: the map's own
+            verdict on a target that was not found; None where there was no map.
     """
 
     outcome: str
@@ -164,6 +165,7 @@ class SearchResult(Record):
     elapsed_s: float
     hidden_m3: float
     tags_located: int
+    room_m3: float | None = None
 
     def __post_init__(self) -> None:
         """Freeze; check the outcome."""

@@ -74,6 +74,21 @@ class FilmedGrasp(Record):
 
 
 @dataclass(frozen=True, slots=True)
+class FilmedCarry(Record):
+    """What the hand carries away, as one with it.
+
+    Attributes:
+        times_s: When it is at each pose [s], rising; it is there from the first to the last (T).
+        T_world_hand: The hand at each, shape (4, 4); at the first one it has just closed.
+        shapes: What it holds, placed in the world as it lay at the first.
+    """
+
+    times_s: tuple[float, ...]
+    T_world_hand: tuple[FloatArray, ...]
+    shapes: tuple[PlacedShape, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class SearchFilm(Record):
     """All that happened in a search, in the world frame.
 
@@ -83,6 +98,7 @@ class SearchFilm(Record):
         configurations: Joints in each (T).
         piles: The table, from one change to the next.
         grasps: Every action.
+        carried: What is on its way to the drop zone.
     """
 
     T_world_base: FloatArray
@@ -90,6 +106,7 @@ class SearchFilm(Record):
     configurations: tuple[Configuration, ...]
     piles: tuple[FilmedPile, ...]
     grasps: tuple[FilmedGrasp, ...]
+    carried: tuple[FilmedCarry, ...] = ()
 
 
 def draw_search(robot: Robot, film: SearchFilm, facts: Sequence[tuple[str, str]] = ()) -> View:
@@ -112,6 +129,8 @@ def draw_search(robot: Robot, film: SearchFilm, facts: Sequence[tuple[str, str]]
     for n, (pile, end_s) in enumerate(zip(film.piles, [*ends_s, None], strict=True)):
         scene.draw_shapes(f"pile/at_{n}", pile.shapes)
         scene.show_between(f"pile/at_{n}", pile.time_s, end_s)
+    for n, carry in enumerate(film.carried):
+        _draw_carry(scene, f"pile/carried_{n}", carry)
     believed = [n for n, grasp in enumerate(film.grasps) if _draw_grasp(scene, n, grasp)]
     scene.play()
     layers = [
@@ -128,6 +147,16 @@ def draw_search(robot: Robot, film: SearchFilm, facts: Sequence[tuple[str, str]]
 def _placed(robot: Robot, film: SearchFilm, at: Configuration) -> list[PlacedShape]:
     shapes = robot.visual_shapes(at)
     return [replace(shape, T_world_shape=film.T_world_base @ shape.T_world_shape) for shape in shapes]
+
+
+def _draw_carry(scene: RobotScene, node: str, carry: FilmedCarry) -> None:
+    """Let what is held go with the hand."""
+    T_hand_world = np.linalg.inv(carry.T_world_hand[0])
+    scene.draw_shapes(
+        node, [replace(shape, T_world_shape=T_hand_world @ shape.T_world_shape) for shape in carry.shapes]
+    )
+    scene.move_part(carry.T_world_hand, carry.times_s, node)
+    scene.show_between(node, carry.times_s[0], carry.times_s[-1])
 
 
 def _draw_grasp(scene: RobotScene, number: int, grasp: FilmedGrasp) -> bool:

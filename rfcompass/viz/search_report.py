@@ -105,13 +105,16 @@ def _goes_for(step: SearchStep) -> str:
 
 
 def _row(number: int, step: SearchStep) -> tuple[object, ...]:
-    came = step.attempt.outcome + (", the target" if step.attempt.shows_target else "")
+    attempt = step.attempt
+    came = attempt.outcome + (", the target" if attempt.shows_target else "")
+    came += f": {attempt.message}" if attempt.message else ""
+    came += f"; {len(attempt.epcs)} tag(s) gone" if attempt.epcs else ""
     return (
         number,
         f"{step.elapsed_s:.0f}",
         _goes_for(step),
         f"{step.action.score:.3g}",
         came,
-        f"{1000 * step.attempt.gap_m:.0f}",
+        f"{1000 * attempt.gap_m:.0f}",
         f"{1000 * step.hidden_m3:.1f}",
     )

@@ -22,6 +22,12 @@ def test_a_search_leaves_a_folder_that_says_what_it_printed(run, tmp_path):
     }
     events = [json.loads(line) for line in (out / "events.jsonl").read_text(encoding="utf-8").splitlines()]
     assert events == told["steps"]
+    asked = json.loads((out / "run.json").read_text(encoding="utf-8"))
+    assert (asked["policy"], asked["seed"], asked["tagged"]) == ("ours", 1, 2)
+    survey = run("survey", out / "trace", "--method", "sar", "--json").json  # what was heard can be located again
+    assert 1 <= len(survey["tags"]) <= asked["tags_dealt"]
+    report = (out / "report.html").read_text(encoding="utf-8")
+    assert "simulated, covered: 4 things in 1, seed 1" in report
     assert len(events) == ran.json["actions"]
     assert open_pile(out / "pile.json").seed == 1
     for page in ("view.html", "report.html"):
@@ -40,6 +46,8 @@ def test_a_target_that_is_not_there_is_no_answer_with_the_maps_verdict(run, tmp_
     assert ran.code == 1
     assert ran.json["failure"]["kind"] == ran.json["outcome"] != "found"
     assert ran.json["failure"]["hidden_m3"] == ran.json["hidden_m3"] >= 0
+    assert 0 <= ran.json["room_m3"] <= ran.json["hidden_m3"]
+    assert "l are left in which it could lie" in ran.err
     assert (tmp_path / "run" / "view.html").is_file()
 
 

@@ -239,3 +239,35 @@ def test_a_map_survives_a_pickle():
     assert np.array_equal(loaded.log_odds, seen.log_odds)
     with pytest.raises(ValueError, match="read-only"):
         loaded.state[0, 0, 0] = 1
+
+
+def rooms(*shown, shape=(12, 12, 8), spacing_m=0.01):
+    """A map whose unobserved voxels are those of some boxes, given as slices."""
+    workspace = Workspace.between([0, 0, 0], np.array(shape) * spacing_m, spacing_m)
+    state = np.full(workspace.shape, FREE, dtype=np.uint8)
+    for box in shown:
+        state[box] = UNOBSERVED
+    return VisualMap(workspace, state)
+
+
+def test_slivers_are_no_room_and_boxes_are():
+    sliver, box = np.s_[:, :, 0:1], np.s_[2:6, 2:6, 0:4]
+    assert rooms(sliver).unobserved_m3 > 0
+    assert rooms(sliver).room_m3(0.03) == 0.0
+    assert rooms(box).room_m3(0.03) == pytest.approx(64e-6)
+    assert rooms(box, sliver).room_m3(0.03) == pytest.approx(64e-6)
+
+
+def test_what_lies_under_its_own_surface_counts_as_far_as_nobody_saw_it():
+    """A target of two layers, of which cameras see the upper one."""
+    seen = rooms(np.s_[2:6, 2:6, 0:1])
+    state = seen.state.copy()
+    state[2:6, 2:6, 1:2] = SURFACE
+    assert VisualMap(seen.workspace, state).room_m3(0.03) == pytest.approx(16e-6)
+
+
+@given(edge_m=st.floats(0.005, 0.12), seed=st.integers(0, 99))
+def test_room_is_never_more_than_what_was_not_seen_and_shrinks_with_what_is_sought(edge_m, seed):
+    rng = np.random.default_rng(seed)
+    seen = rooms(rng.random((12, 12, 8)) < 0.8)
+    assert 0 <= seen.room_m3(edge_m) <= seen.room_m3(edge_m / 2) <= seen.unobserved_m3 + 1e-12

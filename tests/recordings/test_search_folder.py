@@ -5,15 +5,19 @@ import json
 import pytest
 
 from rfcompass.errors import TraceError
+from rfcompass.recordings import is_run
 from rfcompass.recordings.search_folder import StoredSearch, is_search, write_search
 
 STORED = StoredSearch({"command": "search"}, {"outcome": "found"}, [{"action": 1}, {"action": 2}])
 
 
-def test_what_was_asked_and_what_came_of_it_is_in_one_file(tmp_path):
+def test_what_was_asked_and_what_came_of_it_is_told(tmp_path):
     write_search(STORED, tmp_path / "run")
-    told = json.loads((tmp_path / "run" / "search.json").read_text(encoding="utf-8"))
-    assert (told["asked"], told["outcome"]) == ({"command": "search"}, "found")
+    asked, told = (
+        json.loads((tmp_path / "run" / name).read_text(encoding="utf-8")) for name in ("run.json", "search.json")
+    )
+    assert (asked["command"], told["outcome"]) == ("search", "found")
+    assert not is_run(tmp_path / "run")
     assert len((tmp_path / "run" / "events.jsonl").read_text(encoding="utf-8").splitlines()) == 2
     assert is_search(tmp_path / "run")
 
@@ -26,7 +30,7 @@ def test_a_search_is_replaced_only_if_asked(tmp_path):
     assert json.loads((tmp_path / "run" / "search.json").read_text(encoding="utf-8"))["outcome"] == "lost"
 
 
-@pytest.mark.parametrize("name", ["notes.txt", "trace"])
+@pytest.mark.parametrize("name", ["notes.txt", "data"])
 def test_what_is_no_search_is_never_replaced(tmp_path, name):
     write_search(STORED, tmp_path / "run")
     (tmp_path / "run" / name).write_text("mine", encoding="utf-8")

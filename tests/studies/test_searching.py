@@ -13,12 +13,14 @@ from simulation.pile_scenes import tiny
 from rfcompass.errors import InputError, PileUnsettled
 from rfcompass.simulation.piles import ExecutedGrasp
 from rfcompass.studies import pile_robot
-from rfcompass.studies.pile_robot import READ_S
+from rfcompass.studies.pile_robot import DROP_M, READ_S
 from rfcompass.studies.pile_scan import PILE_SAR
 from rfcompass.studies.search_film import film_of
 from rfcompass.studies.search_methods import METHODS, search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
-from rfcompass.types import ExtractionAction, TagFix
+from rfcompass.types import ExtractionAction, GraspMaps, InstanceMasks, TagFix
+from rfcompass.types.grasps import Failure
+from rfcompass.types.search import SEARCH_ENDS
 
 SEED = 1
 
@@ -232,3 +234,60 @@ def test_the_film_has_every_change_of_the_table_and_every_grasp():
     )
     assert np.all(np.diff(film.times_s) > 0)
     assert film.times_s[-1] <= result.elapsed_s + 1e-6
+
+
+def test_what_was_taken_leaves_the_pile_once_the_hand_has_closed_and_goes_with_it_to_the_drop_zone():
+    run, result = finished("ours")
+    film = film_of(run, result)
+    assert len(film.carried) == sum(step.attempt.success for step in result.steps)
+    changes_s = [pile.time_s for pile in film.piles[1:]]
+    for carry in film.carried:
+        assert carry.times_s[0] in changes_s
+        assert np.all(np.diff(carry.times_s) > 0)
+        assert np.linalg.norm(carry.T_world_hand[-1][:3, 3] - DROP_M) < 0.02
+        for shape in carry.shapes:  # beside the fingers
+            assert np.linalg.norm(shape.T_world_shape[:2, 3] - carry.T_world_hand[0][:2, 3]) < 0.25
+    names = {shape.link for carry in film.carried for shape in carry.shapes}
+    assert names <= {shape.link for shape in film.piles[0].shapes} - {"table"}
+    assert not names & {shape.link for shape in film.piles[-1].shapes}
+
+
+class NoObjects:
+    """A segmenter that tells nothing apart."""
+
+    def segment(self, view):
+        return InstanceMasks(np.zeros(view.depth_m.shape, dtype=np.int64))
+
+
+class NoGrasp:
+    """Grasps that promise nothing."""
+
+    def quality(self, view):
+        flat = np.zeros(view.depth_m.shape)
+        return GraspMaps(flat, flat, flat, flat)
+
+
+@pytest.mark.parametrize("name", ["fusebot", "xray", "ours"])
+def test_a_simulated_search_without_masks_ends_and_says_so(name):
+    result = begin(name, segmenter=NoObjects()).run()
+    assert (result.outcome, result.actions) == ("nothing_to_grasp", 0)
+    assert result.elapsed_s > 0
+
+
+@pytest.mark.parametrize("name", ["fusebot", "ours"])
+def test_where_nothing_promises_to_hold_a_simulated_search_tries_and_ends(name):
+    run = begin(name, quality=NoGrasp())
+    result = run.run()
+    assert result.outcome in SEARCH_ENDS
+    assert 1 <= result.actions <= 15
+    assert result.found == (run.task.scene.target in run.robot.taken)
+
+
+def test_a_simulated_pile_that_the_arm_does_not_reach_ends_with_the_reason(monkeypatch):
+    run = begin("fusebot")
+    far = Failure("no_posture", "the drop zone is a mile away")
+    monkeypatch.setattr(run.robot.arm, "fetch", lambda T, start: far)
+    result = run.run()
+    assert (result.outcome, result.failed_grasps) == ("out_of_reach", 5)
+    assert "a mile away" in result.message
+    assert run.robot.taken == []

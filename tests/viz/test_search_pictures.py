@@ -15,7 +15,7 @@ from rfcompass.types import (
     VoxelGrid,
 )
 from rfcompass.types.placed_shape import PlacedShape
-from rfcompass.viz.search_film import FilmedGrasp, FilmedPile, SearchFilm, draw_search
+from rfcompass.viz.search_film import FilmedCarry, FilmedGrasp, FilmedPile, SearchFilm, draw_search
 from rfcompass.viz.search_report import draw_decision, pixels_of, write_search_report
 
 K = np.array([[100.0, 0, 40], [0, 100.0, 30], [0, 0, 1]])
@@ -98,6 +98,20 @@ def test_a_film_has_the_objects_of_each_decision_as_a_layer():
     view = draw_search(load_robot("ur5e_2f85"), film(grasps=(shown, hidden)))
     (layer,) = (layer for layer in view.overlay.layers if layer.node == "objects")
     assert layer.count == 1
+
+
+def test_what_is_held_goes_with_the_hand_and_is_seen_only_while_it_is_held():
+    box = PlacedShape("box_1", "box", np.full(3, 0.05), HAND.copy(), np.ones(4))
+    high = HAND.copy()
+    high[2, 3] += 0.3
+    carry = FilmedCarry((0.8, 1.4), (HAND, high), (box,))
+    view = draw_search(load_robot("ur5e_2f85"), film(carried=(carry,)))
+    sent = [row for row in view.window.commands if "/pile/carried_0" in row.get("path", "")]
+    assert [row["type"] for row in sent].count("set_object") == 1
+    (own,) = (row["matrix"] for row in sent if row["type"] == "set_transform" and row["path"].endswith("box_1"))
+    np.testing.assert_allclose(np.reshape(own, (4, 4)), np.eye(4), atol=1e-9)  # where the hand is, as it lay in it
+    (shown,) = (row["value"] for row in sent if row["type"] == "set_property" and row["property"] == "visible")
+    assert not shown  # at the end
 
 
 def test_a_score_for_each_point_or_none():
