@@ -338,7 +338,7 @@ SECTIONS = (
      "`pinit_dtw` is the papers' reading, literally; 50 % is a coin.", proximity_table),
     ("**One tag among sixteen at known places.** `measured-target`: median / 90 % quantile in cm of a tag's error, references\n"
      "from other sweeps; `nearest three` is the mean of the three that seem nearest. Our pilot study got 12 to 19 cm by\n"
-     "counting comparisons and 6 to 7 cm with the nearest three. The aim of 8 cm is missed on D4, whose references are 14 cm\n"
+     "counting comparisons and 6 to 7 cm with the nearest three. Our own target of 8 cm is missed on D4, whose references are 14 cm\n"
      "and more away; what was tried: [posterior](posterior.md).", target_table),
     ("**The same question by simulated radio.** `wrong-comparisons`: share of wrong answers in %, 40 rooms; our own pilot\n"
      "study on a kinder channel, where it has a figure (the papers print none). \"No walls\" is free space but for the robot\n"

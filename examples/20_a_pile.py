@@ -3,7 +3,7 @@
 One red item is buried. You will see how the eight views of a scan compare with the truth, how far things creep when
 nobody touches them, and what is left when the topmost item is taken away; and get `views.png` with colour and depth of
 all eight views, `pile.html` to turn the pile in a browser (the target shines through), and `pile.json`, the scene file
-that gives the same pile again. Needs MuJoCo (`pip install 'rfcompass[piles]'`). Takes 15 s.
+that gives the same pile again. Needs MuJoCo (`pip install -c constraints.txt '.[piles]'`). Takes 15 s.
 """
 
 import sys

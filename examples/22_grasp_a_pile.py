@@ -2,7 +2,7 @@
 
 You will see one picture: what the camera sees; how likely the best grasp at each pixel holds; and the pile after the
 hand has gone down, closed and lifted at the pixel that promises most, three times. Needs MuJoCo
-(`pip install 'rfcompass[piles]'`). Takes 20 s, and half a minute more when it compiles for the first time.
+(`pip install -c constraints.txt '.[piles]'`). Takes 20 s, and half a minute more when it compiles for the first time.
 """
 
 import sys

@@ -3,7 +3,7 @@
 A UR5e goes round the table, asks a method where the thing may be and what to take next, and grasps in a physics
 simulation: twice on the same pile, FuseBot's way and ours. You will see every action of both, what came of it, and how
 much space is left where the target could be; and get, for ours, `search.html`, a film with a slider (arm, pile, map,
-grasps), and `report.html` with every decision. Needs MuJoCo (`pip install 'rfcompass[piles]'`). Takes 40 s.
+grasps), and `report.html` with every decision. Needs MuJoCo (`pip install -c constraints.txt '.[piles]'`). Takes 40 s.
 """
 
 import sys

@@ -1,20 +1,30 @@
 """`rfcompass partition FILE`: solve a partition problem given as JSON."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from rfcompass.cli.estimates import Estimator
 from rfcompass.cli.output import JsonFlag, answering, print_json
+
+
+class Solver(StrEnum):
+    """Ways to solve comparisons without reads."""
+
+    PARTITION = "partition"
+    CONSISTENCY = "consistency"
+    POSTERIOR = "posterior"
 
 
 def partition(
     file: Annotated[Path, typer.Argument(help="Problem as JSON, in one of the two shapes above.")],
-    method: Annotated[Estimator, typer.Option(help="Convex program, or most comparisons met.")] = Estimator.PARTITION,
+    method: Annotated[
+        Solver, typer.Option(help="Convex program, most comparisons met, or the posterior.")
+    ] = Solver.PARTITION,
     as_json: JsonFlag = False,
 ) -> None:
-    r"""Find a part from comparisons alone.
+    """Find a part from comparisons alone.
 
     For one stop, FILE holds
 
@@ -32,7 +42,7 @@ def partition(
 
     with each pose that stop's base frame in the last stop's, so that the last pose is [0, 0, 0]. Metres and radians;
     indices count from 0; "margin" and "bounds_m" may be left out.
-    """
+    """  # noqa: D301 - \b is for the help page
     from rfcompass.errors import InputError
     from rfcompass.files import read_json
     from rfcompass.localization import answer_partition

@@ -24,7 +24,7 @@ from rfcompass.studies.metric import SHARE, Metric
 from rfcompass.studies.study import Cell, PaperValue, Study
 
 DATA_VARIABLE = "RFCOMPASS_MEASURED_DATA"
-DEFAULT_DATA = Path("..") / "shared" / "data" / "measured"
+DEFAULT_DATA = Path("..") / "shared" / "data" / "measured"  # beside a checkout
 FAMILIES = {
     "D1train": "adarf_D1train_",
     "D1test": "adarf_D1test_",
@@ -46,7 +46,10 @@ def data_folder() -> Path:
     """
     folder = Path(os.environ.get(DATA_VARIABLE, DEFAULT_DATA))
     if not (folder / "traces").is_dir():
-        raise StudyError(f"no measured sweeps at {folder}; set {DATA_VARIABLE}", folder=str(folder))
+        message = (
+            f"no measured sweeps at {folder}; set {DATA_VARIABLE} to a folder with traces/NAME/ and truth/NAME.json"
+        )
+        raise StudyError(f"{message}, NAME beginning with {', '.join(FAMILIES.values())}", folder=str(folder))
     return folder
 
 
