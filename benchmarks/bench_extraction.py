@@ -30,6 +30,7 @@ from planners.extraction import (
     project_masks,
 )
 from planners.grasp_quality import AntipodalQuality
+from planners.target_grasp import grasp_again
 from rfcompass.arrays import FloatArray, IntArray
 from rfcompass.interfaces import ExtractionPolicy
 from rfcompass.mapping import (
@@ -43,9 +44,19 @@ from rfcompass.mapping import (
 )
 from rfcompass.mapping.camera import points_image
 from rfcompass.mapping.view_kernels import UNOBSERVED
-from rfcompass.types import DepthView, GraspMaps, InstanceMasks, ItemSize, VoxelGrid, Workspace
+from rfcompass.types import (
+    DepthView,
+    ExtractionAction,
+    GraspMaps,
+    InstanceMasks,
+    ItemSize,
+    TaggedItem,
+    VoxelGrid,
+    Workspace,
+)
 
-THINGS, PILES_M, HEIGHT_M = 46, ((-0.25, 0.1), (0.25, 0.12), (0.0, -0.15)), 0.85
+THINGS, PILES_M, HEIGHT_M, NEAR_M = 46, ((-0.25, 0.1), (0.25, 0.12), (0.0, -0.15)), 0.85, 0.60
+TAGS = 8
 TARGET = ItemSize("target", np.array([0.08, 0.05, 0.035]))
 GAMMA = 0.7
 
@@ -80,6 +91,15 @@ class Boxes:
             higher = inside & (self.top_m[n] > height)
             height[higher], number[higher] = self.top_m[n], n + 1
         return height, number
+
+    def tagged(self, count: int) -> tuple[TaggedItem, ...]:
+        """Some of them with a tag on top, known to 3 cm."""
+        edges_m = np.column_stack([2 * self.half_m, np.full(THINGS, 0.04)])
+        tops_m = np.column_stack([self.middle_m, self.top_m])
+        return tuple(
+            TaggedItem(ItemSize(f"box_{n}", edges_m[n], epc=f"{n:024x}"), tops_m[n], 0.03**2 * np.eye(3))
+            for n in range(count)
+        )
 
     def seen(self, T: FloatArray, shape: tuple[int, int] = (240, 320)) -> tuple[DepthView, InstanceMasks]:
         """View and true objects from straight above, by a few steps of iteration."""
@@ -142,6 +162,8 @@ class Scene:
     masks: InstanceMasks
     grasps: GraspMaps
     kernel: TargetKernel
+    tagged: tuple[TaggedItem, ...]
+    near: DepthView
 
     @classmethod
     def made(cls) -> "Scene":
@@ -152,7 +174,8 @@ class Scene:
         quality = np.random.default_rng(0).uniform(0, 1, view.depth_m.shape) * (masks.labels > 0)
         grasps = GraspMaps(quality, np.zeros_like(quality), np.full_like(quality, 0.05), np.full_like(quality, 0.02))
         kernel = gaussian_target(TARGET.shortest_m, TARGET.longest_m, table.spacing_m)
-        return cls(table, before, view, masks, grasps, kernel)
+        near, _ = boxes.seen(camera(*PILES_M[0], NEAR_M))
+        return cls(table, before, view, masks, grasps, kernel, boxes.tagged(TAGS), near)
 
     def paper(self) -> VoxelGrid:
         """The paper's map, without tags."""
@@ -163,10 +186,19 @@ class Scene:
         masks = DepthSegmenter().segment(self.view)
         return FuseBotPolicy(gate=gate).choose(self.paper(), self.view, masks, self.grasps).score
 
-    def decide_by_posterior(self) -> float:
-        """One whole decision of ours."""
-        grid, masks = posterior_map(self.before.with_views([self.view]), TARGET), DepthSegmenter().segment(self.view)
-        return FewestActionsPolicy(target_m=TARGET.size_m).choose(grid, self.view, masks, self.grasps).score
+    def decide_by_posterior(self, tags: int = 0) -> float:
+        """One whole decision of the method `ours`, with some things tagged."""
+        grid = posterior_map(self.before.with_views([self.view]), TARGET, self.tagged[:tags])
+        masks = DepthSegmenter().segment(self.view)
+        policy = FewestActionsPolicy(target_m=TARGET.size_m, gate=True, removals=1)
+        return policy.choose(grid, self.view, masks, self.grasps).score
+
+    def grasp_from_near(self) -> float:
+        """The grasp of the chosen object anew, in an image from nearer; it is taken after a motion of the arm."""
+        masks, grasps = DepthSegmenter().segment(self.near), AntipodalQuality().quality(self.near)
+        first = ExtractionAction(1, camera(*PILES_M[0], 0.05), 0.06, 1.0)
+        chosen = grasp_again(first, self.near, masks, grasps)
+        return 0.0 if chosen is None else chosen.chance
 
     def with_grasps(self) -> "Scene":
         """Find the grasps of the view, in the place of the given ones."""
@@ -203,8 +235,10 @@ def timings_of(scene: Scene, repeats: int) -> list[Timing]:
 def whole_decisions(scene: Scene) -> Mapping[str, Callable[[], float]]:
     """Decisions without a peer: view into the map, map, masks, choice."""
     return {
-        "posterior, fewest actions": scene.decide_by_posterior,
-        "the same, with grasps at all pixels": lambda: scene.with_grasps().decide_by_posterior(),
+        "ours, grasps given": scene.decide_by_posterior,
+        "ours, with grasps at all pixels": lambda: scene.with_grasps().decide_by_posterior(),
+        f"ours, with grasps, {TAGS} tags": lambda: scene.with_grasps().decide_by_posterior(TAGS),
+        "ours: its grasp again, from near": scene.grasp_from_near,
         "FuseBot, with grasps at all pixels": lambda: scene.with_grasps().decide(gate=True),
     }
 

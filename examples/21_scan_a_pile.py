@@ -3,7 +3,8 @@
 A UR5e goes round the table at two heights: eight depth images, and reads of every tag through the things that lie over
 it. You will see how far off each tag is, how well the paper's map and the posterior know where the target is, with and
 without tags, and get `maps.png`, `scan.html` (pile, arm, the antenna's way, tags with their confidence boxes, all maps
-as layers), and `trace/`, which `rfcompass survey` reads. Needs MuJoCo (`pip install -c constraints.txt '.[piles]'`). Takes 20 s.
+as layers), and `trace/`, which `rfcompass survey` reads. Needs MuJoCo (`pip install -c constraints.txt '.[piles]'`).
+Takes 20 s.
 """
 
 import sys

@@ -42,13 +42,10 @@ def item_occupancy(item: TaggedItem, workspace: Workspace, seen_free: BoolArray)
     """Probability that one item fills each voxel, shape (X, Y, Z); arguments as for `items_occupancy`."""
     rotations, centres_m = _draws(item)
     half_m = item.size.size_m / 2
-    steps = (np.arange(_EDGE_POINTS) + 0.5) / _EDGE_POINTS * 2 - 1
-    points = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3) * half_m
-    places_m = np.einsum("nij,pj->npi", rotations, points) + centres_m[:, None]
-    out = _sticks_out(places_m, workspace, seen_free)
+    h = workspace.spacing_m
+    out = _sticks_out(rotations, (centres_m - workspace.lower_m) / h, half_m / h, seen_free)
     weights = np.exp(-STICKING_OUT * (out - out.min()))
     values = np.zeros(workspace.shape)
-    h = workspace.spacing_m
     _add_boxes(values, rotations, (centres_m - workspace.origin_m) / h, half_m / h, weights / weights.sum())
     return np.minimum(values, 1.0)
 
@@ -96,13 +93,33 @@ def lying_rotations(yaw_rad: FloatArray, upright: IntArray) -> FloatArray:
     return rotations
 
 
-def _sticks_out(places_m: FloatArray, workspace: Workspace, seen_free: BoolArray) -> FloatArray:
-    """Share of each item that lies in free space or in the table, shape (N,); places are (N, P, 3) [m]."""
-    voxels = np.floor((places_m - workspace.lower_m) / workspace.spacing_m).astype(np.int64)
-    inside = ((voxels >= 0) & (voxels < np.array(workspace.shape))).all(axis=-1)
-    clipped = np.clip(voxels, 0, np.array(workspace.shape) - 1)
-    free = seen_free[clipped[..., 0], clipped[..., 1], clipped[..., 2]] | ~inside
-    return np.asarray(free.mean(axis=1))
+@numba.njit(cache=True)
+def _sticks_out(rotations: FloatArray, centres: FloatArray, half: FloatArray, seen_free: BoolArray) -> FloatArray:
+    """Share of each item that lies in free space, the table or beyond the workspace, by even sample points, shape (N,).
+
+    Args:
+        rotations: Turn of each, shape (N, 3, 3).
+        centres: Its middle from the workspace's corner [voxel], shape (N, 3).
+        half: Half its edges [voxel], shape (3,).
+        seen_free: Voxels where nothing can be, shape (X, Y, Z).
+    """
+    X, Y, Z = seen_free.shape
+    shares = np.empty(len(rotations))
+    for n in range(len(rotations)):
+        R, c, free = rotations[n], centres[n], 0
+        for i in range(_EDGE_POINTS):
+            a = ((i + 0.5) / _EDGE_POINTS * 2 - 1) * half[0]
+            for j in range(_EDGE_POINTS):
+                b = ((j + 0.5) / _EDGE_POINTS * 2 - 1) * half[1]
+                for k in range(_EDGE_POINTS):
+                    d = ((k + 0.5) / _EDGE_POINTS * 2 - 1) * half[2]
+                    x = int(np.floor(R[0, 0] * a + R[0, 1] * b + R[0, 2] * d + c[0]))
+                    y = int(np.floor(R[1, 0] * a + R[1, 1] * b + R[1, 2] * d + c[1]))
+                    z = int(np.floor(R[2, 0] * a + R[2, 1] * b + R[2, 2] * d + c[2]))
+                    if not (0 <= x < X and 0 <= y < Y and 0 <= z < Z) or seen_free[x, y, z]:
+                        free += 1
+        shares[n] = free / _EDGE_POINTS**3
+    return shares
 
 
 @numba.njit(cache=True)
