@@ -371,7 +371,7 @@ SECTIONS = (
     ("**Where is the hidden target?** `map-quality`: log-loss in bits · mean rank of the true voxel in %. What tags save:\n"
      "[Posterior map](posterior_map.md).", pile_tables("maps_table")),
     ("**Who finds the hidden thing?** `searches`: every method on the same piles, executed grasps; FuseBot's Tables 1 to 3 are of\n"
-     "real piles. What differs, and what the paper orders: [Searching a pile](search.md).", search_table),
+     "real piles. What differs, and what the paper orders: [Searches beside the paper](search_studies.md).", search_table),
     ("**How fast?** `rfcompass bench`, ours and the peer's in one run.", bench_table),
 )  # fmt: skip
 

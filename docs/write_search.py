@@ -1,4 +1,4 @@
-"""Rewrite the tables in docs/search.md from a run of `searches`.
+"""Rewrite the tables in docs/search_studies.md from a run of `searches`.
 
 Usage: python docs/write_search.py RUNS; part of `make results`.
 """
@@ -14,15 +14,19 @@ from rfcompass.studies.searches import ARMS, EVERY_ARM, GATE_PAIRS, PAIRS
 
 DOCS = Path(__file__).resolve().parent
 BEGIN, END = "<!-- search-results -->", "<!-- /search-results -->"
-# Orderings of the paper: which arm needs fewer actions than which, and where that is printed.
+# Orderings of the paper: which arm does better than which in what, and where that is printed.
+ACTIONS, TIME, FOUND = "all_{}", "time_s_{}", "found_{}"
 ORDERINGS = (
-    ("fusebot_8", "xray", "FuseBot, 8 tags, below X-Ray", "Table 1"),
-    ("fusebot_0", "xray", "FuseBot without tags below X-Ray", "Fig. 9b"),
-    ("fusebot_quarter", "xray", "FuseBot, a quarter tagged, below X-Ray", "section 1"),
-    ("fusebot_own", "xray", "tagged target below X-Ray", "Table 1"),
-    ("fusebot_8", "fusebot_0", "8 tags below no tags", "Fig. 9b"),
-    ("fusebot_own", "fusebot_0", "tagged target below untagged", "Table 1"),
-    ("fusebot_0", "naive", "its policy below the naive one", "Table 3"),
+    (ACTIONS, "fusebot_8", "xray", "actions: FuseBot, 8 tags, below X-Ray", "Table 1"),
+    (ACTIONS, "fusebot_0", "xray", "FuseBot without tags below X-Ray", "Fig. 9b"),
+    (ACTIONS, "fusebot_quarter", "xray", "FuseBot, a quarter tagged, below X-Ray", "section 1"),
+    (ACTIONS, "fusebot_own", "xray", "tagged target below X-Ray", "Table 1"),
+    (ACTIONS, "fusebot_8", "fusebot_0", "8 tags below no tags", "Fig. 9b"),
+    (ACTIONS, "fusebot_own", "fusebot_0", "tagged target below untagged", "Table 1"),
+    (ACTIONS, "fusebot_0", "naive", "its policy below the naive one", "Table 3"),
+    (TIME, "fusebot_8", "xray", "time where both found it [s]: FuseBot, 8 tags, below X-Ray", "Table 2"),
+    (FOUND, "fusebot_8", "xray", "found [%]: FuseBot, 8 tags, above X-Ray", "Table 1"),
+    (FOUND, "fusebot_own", "xray", "tagged target above X-Ray", "Table 1"),
 )
 
 
@@ -92,13 +96,21 @@ def difference_table(got, pairs=PAIRS):
 def orderings(got):
     """Every ordering of the paper: shown, not shown, or reversed."""
     lines = []
-    for one, other, words, where in ORDERINGS:
-        values = pooled_values(got, f"less_{one}_{other}")
+    for measure, one, other, words, where in ORDERINGS:
+        pairs = zip(*(got.rows.column(measure.format(arm)).to_pylist() for arm in (one, other)), strict=True)
+        scale = 100.0 if measure == FOUND else 1.0
+        values = scale * np.array([number(a) - number(b) for a, b in pairs if a not in (None, []) and b not in (None, [])])
         draws = np.random.default_rng(0).choice(values, (4000, len(values))).mean(axis=1)
-        low, high = np.percentile(draws, [2.5, 97.5])
+        low, high = np.percentile(draws, [2.5, 97.5]) * (-1 if measure == FOUND else 1)
+        low, high = min(low, high), max(low, high)
         verdict = "*shown*" if high < 0 else ("*reversed*" if low > 0 else "*not shown*")
         lines.append([words, where, interval(values), verdict])
-    return table(("ordering", "paper", "actions, first less second", "on our piles"), *lines)
+    return table(("ordering", "paper", "first less second", "on our piles"), *lines)
+
+
+def number(value):
+    """A value of a row, or the only one of its list."""
+    return float(value[0] if isinstance(value, list) else value)
 
 
 def together(got, *columns):
@@ -178,7 +190,7 @@ def write(runs):
         "### How much of the bound",
         bound(got),
     ])  # fmt: skip
-    page = DOCS / "search.md"
+    page = DOCS / "search_studies.md"
     old = page.read_text(encoding="utf-8")
     page.write_text(f"{old.split(BEGIN)[0]}{BEGIN}\n\n{text}\n\n{END}{old.split(END)[1]}", encoding="utf-8")
 

@@ -1,4 +1,4 @@
-"""Rewrite the tables in docs/search.md of the studies beside `searches`, each from its run if there is one.
+"""Rewrite the tables in docs/search_studies.md of the studies beside `searches`, each from its run if there is one.
 
 Usage: python docs/write_search_studies.py RUNS, the folder that holds search-levels, search-tags and so on.
 """
@@ -17,7 +17,7 @@ from rfcompass.studies.search_confirm import CONFIRM_ARMS, CONFIRM_PAIRS
 from rfcompass.studies.search_figures import BY_LEVEL, BY_TAGS, LEVEL_PAIRS, TAG_PAIRS
 from rfcompass.studies.search_kernels import KERNELS
 
-PAGE = Path(__file__).resolve().parent / "search.md"
+PAGE = Path(__file__).resolve().parent / "search_studies.md"
 
 
 @dataclass
