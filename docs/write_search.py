@@ -65,14 +65,24 @@ def main_table(got, arms=ARMS):
     lines = []
     for arm in arms:
         grasps = np.concatenate([np.array(row) for row in got.rows.column(f"grasps_{arm}").to_pylist() if row] or [[]])
+        held = f"{100 * grasps.mean():.0f}" if len(grasps) else "–"
+        if said_of(got, arm) is not None:
+            held = f"{100 * said_of(got, arm):.0f} / {held}"
         lines.append([
             f"`{arm}`", share(got, f"found_{arm}"), pooled_quantiles(got, f"actions_{arm}"),
-            interval(pooled_values(got, f"all_{arm}")), pooled_quantiles(got, f"time_s_{arm}"),
-            f"{100 * grasps.mean():.0f}" if len(grasps) else "–",
+            interval(pooled_values(got, f"all_{arm}")), pooled_quantiles(got, f"time_s_{arm}"), held,
         ])  # fmt: skip
     heads = ("found, %:", "actions where found, p10 / 50 / 90:", "mean, 16 where not:", "arm, s, p10 / 50 / 90:",
-             "grasps that held, %:")  # fmt: skip
+             "grasps: promised / held, %:" if any(said_of(got, arm) is not None for arm in arms) else "grasps that held, %:")  # fmt: skip
     return table((f"simulated, {len(got.rows)} piles", *heads), *lines)
+
+
+def said_of(got, arm):
+    """Mean promise of all grasps of an arm; None where rows do not tell."""
+    if f"said_{arm}" not in got.rows.column_names:
+        return None
+    said = [chance for row in got.rows.column(f"said_{arm}").to_pylist() if row for chance in row]
+    return float(np.mean(said)) if said else None
 
 
 def family_table(got, arms=ARMS):

@@ -369,7 +369,8 @@ class PileSearch:
     ) -> SearchStep:
         hidden_m3, action = self._seen.unobserved_m3, chosen.action
         attempt = self.robot.grasp(action)
-        return SearchStep(view, masks, grid, action, chosen.on_target, attempt, hidden_m3, self.robot.elapsed_s)
+        at_s, promised = self.robot.elapsed_s, chosen.chance
+        return SearchStep(view, masks, grid, action, chosen.on_target, attempt, hidden_m3, at_s, promised)
 
     def _after(self, step: SearchStep) -> None:
         """Remember what failed, forget tags that are gone, look again at where the hand was."""

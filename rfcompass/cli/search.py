@@ -131,6 +131,7 @@ def step_json(number: int, step: "SearchStep") -> dict[str, Any]:
         "point_m": step.action.T_world_hand[:3, 3].tolist(),
         "aperture_m": step.action.aperture_m,
         "score": step.action.score,
+        "chance": step.chance,
         "outcome": step.attempt.outcome,
         "message": step.attempt.message,
         "gap_m": step.attempt.gap_m,

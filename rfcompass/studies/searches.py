@@ -212,13 +212,14 @@ def _judged(arm: str, result: SearchResult) -> dict[str, MetricValue]:
         f"all_{arm}": float(result.actions) if result.found else LOST,
         f"time_s_{arm}": [result.elapsed_s] if result.found else [],
         f"grasps_{arm}": [float(step.attempt.success) for step in result.steps],
+        f"said_{arm}": [step.chance for step in result.steps],
         f"removed_{arm}": float(sum(step.attempt.success for step in removals)),
         f"located_{arm}": float(result.tags_located),
     }
 
 
 def _nothing(arm: str, why: str) -> dict[str, MetricValue]:
-    names = ("found", "actions", "all", "time_s", "grasps", "removed", "located")
+    names = ("found", "actions", "all", "time_s", "grasps", "said", "removed", "located")
     nothing: dict[str, MetricValue] = {f"{name}_{arm}": None for name in names}
     return {**nothing, f"ended_{arm}": why}
 
@@ -232,6 +233,7 @@ def _metrics_of(arm: str) -> tuple[Metric, ...]:
         Metric(f"all_{arm}", ("mean",), "float", f"actions, 16 where it was not found, {arm}", "", 1.0, 2),
         Metric(f"time_s_{arm}", quantiles, "samples", f"time of the arm where it was found, {arm}", "s", 1.0, 0),
         Metric(f"grasps_{arm}", (SHARE,), "samples", f"grasps that held, {arm}", "%", 100.0, 0),
+        Metric(f"said_{arm}", ("mean",), "samples", f"what was promised of them, {arm}", "%", 100.0, 0),
         Metric(f"removed_{arm}", ("mean",), "float", f"things taken off, {arm}", "", 1.0, 1),
         Metric(f"located_{arm}", ("mean",), "float", f"tags located at the start, {arm}"),
     )

@@ -130,8 +130,9 @@ class SearchStep(Record):
         action: What was gone for.
         on_target: Whether that was the target itself, in sight.
         attempt: What came of it.
-        hidden_m3: Volume in which the target could still be, before the action [m³].
+        hidden_m3: Volume that no view has looked into, before the action [m³].
         elapsed_s: Time since the search began, after the action [s].
+        chance: What the image promised of the grasp, after what had failed there, in [0, 1]; 0 where nothing did.
     """
 
     view: DepthView
@@ -142,6 +143,7 @@ class SearchStep(Record):
     attempt: GraspAttempt
     hidden_m3: float
     elapsed_s: float
+    chance: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ def write_search_report(path: Path, result: SearchResult, facts: Sequence[tuple[
     """
     parts: list[PagePart] = [result.message, PageTable("The search", ("what", "value"), list(facts))]
     rows = [_row(number, step) for number, step in enumerate(result.steps, start=1)]
-    columns = ("action", "at [s]", "goes for", "score", "came of it", "jaws [mm]", "hidden [l]")
+    columns = ("action", "at [s]", "goes for", "score", "chance", "came of it", "jaws [mm]", "hidden [l]")
     parts.append(PageTable("Actions", columns, rows))
     for number, step in enumerate(result.steps, start=1):
         parts.append(PageFigure(f"Action {number}: {_goes_for(step)}: {step.attempt.outcome}.", draw_decision(step)))
@@ -114,6 +114,7 @@ def _row(number: int, step: SearchStep) -> tuple[object, ...]:
         f"{step.elapsed_s:.0f}",
         _goes_for(step),
         f"{step.action.score:.3g}",
+        f"{step.chance:.2f}",
         came,
         f"{1000 * attempt.gap_m:.0f}",
         f"{1000 * step.hidden_m3:.1f}",

@@ -167,6 +167,7 @@ def test_a_target_that_comes_into_sight_is_grasped_and_ends_the_search() -> None
     result = search(robot).run()
     assert (result.outcome, result.actions, result.failed_grasps) == ("found", 3, 0)
     assert [step.on_target for step in result.steps] == [False, False, True]
+    assert [step.chance for step in result.steps] == [0.5] * 3  # as the grasps of every image promise
 
 
 def test_a_target_in_sight_from_the_start_needs_one_action() -> None:

@@ -64,6 +64,9 @@ def test_a_way_whose_tags_cannot_be_has_no_value_and_says_why(row):
 
 def test_grasps_are_counted_one_by_one(row):
     assert all(value in (0.0, 1.0) for value in row["grasps_ours"])
+    assert len(row["said_ours"]) == len(row["grasps_ours"])
+    assert all(0 <= chance <= 1 for chance in row["said_ours"])
+    assert max(row["said_ours"]) > 0
     assert row["removed_ours"] == sum(row["grasps_ours"]) - row["found_ours"]  # the last one was the target
 
 
