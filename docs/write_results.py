@@ -24,6 +24,11 @@ PAPERS_RIG = "the paper's, X4"
 HEAD = """# Results
 
 Written by `make results`. Each table says what was simulated and what was measured, and whose the figures beside ours are.
+
+K is the number of tags on the part. `near L`, `far L`: two antenna legs about the part, or along two walls ([Fetching](fetch.md)); the paper's rig: one straight leg, with the
+robot's nine tags as we lay them out (`X4`) or as its text suggests (`L0`). Six robot tags: `skew`, `from the text`, `designed` ([Tag layouts](layout.md)); stops in a sweep, at
+random, or where they tell most (`active`). In sight, hidden: whether something stands before the part. D1 to D4: rows of tags of AdaRF, UAB: one tag and two antennas.
+Piles: `covered_3p25` is three piles of 25 things with covers let go over the target, `poured` aims at nothing ([Piles](piles.md)).
 """
 
 
