@@ -123,6 +123,8 @@ def write(runs):
     for name, make in STUDIES.items():
         if (runs / name).is_dir():
             begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
+            if text.count(begin) != 1 or text.count(end) != 1:
+                raise SystemExit(f"{PAGE}: {begin} and {end} should stand there once")
             text = f"{text.split(begin)[0]}{begin}\n\n{make(Results(runs, name))}\n\n{end}{text.split(end)[1]}"
     PAGE.write_text(text, encoding="utf-8")
 

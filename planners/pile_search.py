@@ -11,23 +11,21 @@ Our text of the paper lacks its Algorithm 1; this is rebuilt from its section 5:
 6. Go on at 2, until the target is in the drop zone, after 15 actions, or after 5 failed grasps in a row.
 """
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 import numpy as np
 
 from planners.extraction import best_cluster
+from planners.reachable_choice import Offer, choose_within_reach
 from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
-from planners.target_grasp import ChosenGrasp, chance_of, grasp_again, grasp_target, surest_grasp, without_near
+from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, CameraBlocked, InputError, NothingHidden, NothingToGrasp, OutOfReach
 from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
 from rfcompass.mapping import RED, ColourRule, VisualMap, find_visible_target, map_views
 from rfcompass.types import (
     DepthView,
-    GraspMaps,
     InstanceMasks,
     ItemSize,
     PileLook,
@@ -53,8 +51,6 @@ from rfcompass.types.search import (
 
 # Ours: a tag so near to a grasp may have moved, and is listened to again [m].
 _MOVED_M = 0.15
-# Ours: how often another grasp is chosen because the arm cannot go there, and how often on one object.
-_MOST_ELSEWHERE, _OF_ONE = 16, 2
 _ENDS = {
     NothingHidden: NOTHING_HIDDEN,
     NothingToGrasp: NOTHING_TO_GRASP,
@@ -62,7 +58,6 @@ _ENDS = {
     CameraBlocked: CAMERA_BLOCKED,
     ArmStopped: ARM_STOPPED,
 }
-Choice = TypeVar("Choice", ChosenGrasp, ChosenGrasp | None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,19 +67,20 @@ class PileSearchRules(Record):
     Attributes:
         most_actions: Actions, the paper's.
         most_failures: Failed grasps in a row, the paper's.
-        extra_scans: Scans more, while a tag that is known of is not located confidently; ours.
+        extra_rounds: Rounds on another way on which the arm listens alone, while a tag that is known of is not located
+            confidently; ours.
         target_colour: Which pixels are the target's.
     """
 
     most_actions: int = 15
     most_failures: int = 5
-    extra_scans: int = 1
+    extra_rounds: int = 1
     target_colour: ColourRule = RED
 
     def __post_init__(self) -> None:
         """Check that a search can begin."""
-        if self.most_actions < 1 or self.most_failures < 1 or self.extra_scans < 0:
-            raise InputError(f"{self}: out of range", got=[self.most_actions, self.most_failures, self.extra_scans])
+        if self.most_actions < 1 or self.most_failures < 1 or self.extra_rounds < 0:
+            raise InputError(f"{self}: out of range", got=[self.most_actions, self.most_failures, self.extra_rounds])
 
 
 @dataclass(eq=False, kw_only=True)
@@ -166,7 +162,7 @@ class PileSearch:
         """Scan, then act until a stop rule; yields each action once it is over, for whoever watches.
 
         Raises:
-            NothingHidden: If nothing is hidden and no target in sight.
+            NothingHidden: If nothing is hidden and no target in sight, for a method with a map.
             NothingToGrasp: If there is nothing left that could be taken.
             OutOfReach: If the arm cannot look where it should.
             CameraBlocked: If an image that goes into the map shows nothing.
@@ -193,7 +189,7 @@ class PileSearch:
     def _listen_again(self) -> None:
         """Listen on another way while a tag that is known of is not located confidently."""
         known = {canonical_epc(size.epc) for size in (*self.sizes, self.target) if size.epc is not None}
-        for _ in range(self.rules.extra_scans):
+        for _ in range(self.rules.extra_rounds):
             if all(epc in self._fixes and self._fixes[epc].confident for epc in known):
                 return
             try:
@@ -223,72 +219,55 @@ class PileSearch:
         found = find_visible_target(view, self.rules.target_colour)
         if found is None or not len(found.points_m):
             return None
-        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        table_m = self.workspace.table_m
-        tried_m = self._tried_m
-        chosen = self._within_reach(
-            view, masks, grasps, lambda objects, maps: grasp_target(view, found.pixels, objects, maps, tried_m, table_m)
+        offer, table_m = self._offer(view, self._tried_m), self.workspace.table_m
+        chosen = choose_within_reach(
+            offer,
+            lambda left: grasp_target(view, found.pixels, left.masks, left.grasps, left.failed_m, table_m),
+            self.robot.reaches,
         )
-        return self._act(view, masks, None, self._surer(chosen, view, masks, grasps) or chosen)
+        return self._act(view, offer.masks, None, self._surer(chosen, offer) or chosen)
 
     def _removal_step(self, view: DepthView, grid: VoxelGrid) -> SearchStep:
         """Take off what the policy chooses."""
+        if self.method.looks == OVERHEAD:
+            return self._taking(view, grid, *self._choose(view, grid))
+        above = self._chosen_above_cluster(view, grid)
+        if above is not None:
+            return self._taking(view, grid, *above)
+        # What is above the cluster is flat, gone, or out of reach: the rest of the table may still hold something.
+        view = self._overhead()
+        return self._target_step(view) or self._taking(view, grid, *self._choose(view, grid))
+
+    def _chosen_above_cluster(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ChosenGrasp] | None:
+        """The choice from an image of one cluster; None if there is none, or none within reach."""
         try:
             masks, chosen = self._choose(view, grid)
         except NothingToGrasp:
-            if self.method.looks == OVERHEAD:
-                raise
-            # What is above the cluster is flat, or gone: the rest of the table may still hold something.
-            view = self._overhead()
-            if (step := self._target_step(view)) is not None:
-                return step
-            masks, chosen = self._choose(view, grid)
+            return None
+        return (masks, chosen) if chosen.reached else None
+
+    def _taking(self, view: DepthView, grid: VoxelGrid, masks: InstanceMasks, chosen: ChosenGrasp) -> SearchStep:
+        """Grasp what was chosen, after a closer look if the method has one."""
         if not self.method.looks_closer:
             return self._act(view, masks, grid, chosen)
         return self._closer_step(view, masks, grid, chosen)
 
     def _choose(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ChosenGrasp]:
         """Objects in a view, and the removal that the policy chooses."""
-        masks, grasps = self.segmenter.segment(view), self.quality.quality(view)
-        failed = self._failed_m if self.method.remembers else ()
-        policy = self.method.policy
-        chosen = self._within_reach(
-            view,
-            masks,
-            grasps,
-            lambda objects, maps: ChosenGrasp(policy.choose(grid, view, objects, maps, failed)),
-        )
-        return masks, replace(chosen, chance=chance_of(chosen.action, view, masks, grasps))
+        offer = self._offer(view, self._failed_m if self.method.remembers else ())
 
-    def _within_reach(
-        self,
-        view: DepthView,
-        masks: InstanceMasks,
-        grasps: GraspMaps,
-        choose: Callable[[InstanceMasks, GraspMaps], Choice],
-    ) -> Choice:
-        """Choose a grasp; as long as the arm cannot go there, another without those about it, a few times.
+        def choose(left: Offer) -> ChosenGrasp:
+            action = self.method.policy.choose(grid, view, left.masks, left.grasps, left.failed_m)
+            return ChosenGrasp(action, left.chance_of(action))
 
-        An object on which that happened more than once is left out. If nothing is left, the last choice stays, and the
-        arm will not get there.
-        """
-        chosen, refused = choose(masks, grasps), Counter[int]()
-        for _ in range(_MOST_ELSEWHERE):
-            if chosen is None or self.robot.reaches(chosen.action):
-                break
-            label = chosen.action.mask_label
-            refused[label] += 1
-            grasps = without_near(view, grasps, chosen.action.T_world_hand[:3, 3])
-            if refused[label] >= _OF_ONE:
-                masks = InstanceMasks(np.where(masks.labels == label, 0, masks.labels))
-            try:
-                chosen = choose(masks, grasps)
-            except NothingToGrasp:  # all that is in sight is out of reach
-                break
-        return chosen
+        return offer.masks, choose_within_reach(offer, choose, self.robot.reaches)
+
+    def _offer(self, view: DepthView, failed_m: Sequence[FloatArray]) -> Offer:
+        """Objects in a view, and the grasps on them."""
+        return Offer(view, self.segmenter.segment(view), self.quality.quality(view), failed_m)
 
     def _closer_step(self, view: DepthView, masks: InstanceMasks, grid: VoxelGrid, first: ChosenGrasp) -> SearchStep:
-        """Grasp the same object as an image from near above shows it; as before if that shows no grasp.
+        """Grasp the same object as an image from near above shows it; as before if that shows no grasp in reach.
 
         Labels are those of the first image, but for a surer grasp elsewhere, which only the second one shows.
         """
@@ -299,22 +278,20 @@ class PileSearch:
             return self._act(view, masks, grid, first)
         if (step := self._target_step(near)) is not None:
             return step
-        objects, grasps = self.segmenter.segment(near), self.quality.quality(near)
-        tried_m = self._tried_m if self.method.remembers else ()
-        again = self._within_reach(
-            near, objects, grasps, lambda _, maps: grasp_again(action, near, objects, maps, tried_m)
+        offer = self._offer(near, self._tried_m if self.method.remembers else ())
+        again = choose_within_reach(
+            offer,
+            lambda left: grasp_again(action, near, offer.masks, left.grasps, left.failed_m),
+            self.robot.reaches,
+            objects=False,
         )
-        if again is None or not self.robot.reaches(again.action):
-            again = None
-        chosen = again or first
-        surer = self._surer(chosen, near, objects, grasps)
+        chosen = again if again is not None and again.reached else first
+        surer = self._surer(chosen, offer)
         if surer is not None:
-            return self._act(near, objects, grid, surer)
+            return self._act(near, offer.masks, grid, surer)
         return self._act(view, masks, grid, chosen)
 
-    def _surer(
-        self, chosen: ChosenGrasp, view: DepthView, masks: InstanceMasks, grasps: GraspMaps
-    ) -> ChosenGrasp | None:
+    def _surer(self, chosen: ChosenGrasp, offer: Offer) -> ChosenGrasp | None:
         """A surer grasp elsewhere, where it costs less than what one more failure would put at risk; else None.
 
         It costs one action, and spares the difference of the chances of failing, times the risk.
@@ -324,11 +301,13 @@ class PileSearch:
         risk = replace(costs, failures=self.rules.most_failures).risk(self._failures)
         if not risk > 1.0:
             return None
-        tried_m = self._tried_m
-        surer = self._within_reach(
-            view, masks, grasps, lambda objects, maps: surest_grasp(view, objects, maps, tried_m)
+        surer = choose_within_reach(
+            replace(offer, failed_m=self._tried_m),
+            lambda left: surest_grasp(left.view, left.masks, left.grasps, left.failed_m),
+            self.robot.reaches,
         )
-        return surer if surer is not None and (surer.chance - chosen.chance) * risk > 1.0 else None
+        better = surer is not None and surer.reached and (surer.chance - chosen.chance) * risk > 1.0
+        return surer if better else None
 
     def _believed(self) -> VoxelGrid:
         belief = self.method.belief
@@ -386,6 +365,8 @@ class PileSearch:
             self._failed_m.append(point_m)
         if step.attempt.shows_target:
             return
+        if step.attempt.outcome == UNREACHABLE:  # nothing was touched, and what was seen is still so
+            return
         near = [
             fix for fix in self._fixes.values() if fix.confident and np.linalg.norm(fix.point_m - point_m) < _MOVED_M
         ]
@@ -419,7 +400,7 @@ class PileSearch:
             self.robot.elapsed_s,
             self._seen.unobserved_m3,
             self._located,
-            self._seen.room_m3(float(self.target.size_m.min())),
+            self._seen.room_m3(float(self.target.size_m.min())) if self._seen.covered.any() else None,
         )
 
 

@@ -39,7 +39,8 @@ class Belief(Protocol):
         Args:
             seen: All views so far.
             target: Its edges.
-            fixes: Where each tag is that is still on the table, by EPC: its last confident fix, or its first.
+            fixes: Where each tag is that is still on the table, by EPC; not confident where it was never located so, or
+                has gone further than it is followed.
             sizes: What the database says about tagged items.
 
         Raises:

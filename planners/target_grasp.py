@@ -33,11 +33,13 @@ class ChosenGrasp(Record):
         action: The grasp.
         chance: Promise of success, after what has failed there, in [0, 1]; 0 where no image told it.
         on_target: Whether it goes for the target.
+        reached: False if the arm was asked, and cannot go there.
     """
 
     action: ExtractionAction
     chance: float = 0.0
     on_target: bool = False
+    reached: bool = True
 
 
 def grasp_target(
@@ -130,20 +132,6 @@ def grasp_again(
         return None
     T_world_hand, aperture_m = grasp_at_pixel(view, grasps, *best)
     return ChosenGrasp(replace(action, T_world_hand=T_world_hand, aperture_m=aperture_m), float(quality[best]))
-
-
-def chance_of(action: ExtractionAction, view: DepthView, masks: InstanceMasks, grasps: GraspMaps) -> float:
-    """What an image promises of a grasp that was chosen in it: the best within 2 cm on its object, 0 where none is.
-
-    Args:
-        action: The grasp.
-        view: The image.
-        masks: Its objects.
-        grasps: The best grasp at each pixel.
-    """
-    off_m = np.linalg.norm(points_image(view)[..., :2] - action.T_world_hand[:2, 3], axis=2)
-    near = (off_m < _SAME_M) & (masks.labels == action.mask_label)
-    return float(np.max(grasps.quality, where=near, initial=0.0))
 
 
 def without_near(view: DepthView, grasps: GraspMaps, point_m: FloatArray) -> GraspMaps:

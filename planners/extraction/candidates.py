@@ -88,12 +88,23 @@ def tried_before(points_m: FloatArray, masks: InstanceMasks, failed_m: Sequence[
     """
     tried = np.ones(points_m.shape[:2])
     for point_m in failed_m:
-        off_m = np.hypot(points_m[..., 0] - point_m[0], points_m[..., 1] - point_m[1])
-        off_m[(masks.labels == 0) | np.isnan(off_m)] = np.inf
+        off_m = _off_m(points_m, masks, point_m)
         if off_m.min() < NEAR_M:
             same = masks.labels == masks.labels.ravel()[off_m.argmin()]
             tried *= np.where(off_m < NEAR_M, AGAIN, np.where(same, ELSEWHERE, 1.0))
     return tried
+
+
+def failed_object(points_m: FloatArray, masks: InstanceMasks, point_m: FloatArray) -> int:
+    """Label of the object for which a failed grasp counts, 0 for none; arguments as for `tried_before`."""
+    off_m = _off_m(points_m, masks, point_m)
+    return int(masks.labels.ravel()[off_m.argmin()]) if off_m.min() < NEAR_M else 0
+
+
+def _off_m(points_m: FloatArray, masks: InstanceMasks, point_m: FloatArray) -> FloatArray:
+    """Level distance of each pixel of an object from a place [m], infinite elsewhere, shape (H, W)."""
+    off_m = np.hypot(points_m[..., 0] - point_m[0], points_m[..., 1] - point_m[1])
+    return np.where((masks.labels == 0) | np.isnan(off_m), np.inf, off_m)
 
 
 def _best_of_each(labels: IntArray, flat: IntArray, quality: FloatArray) -> tuple[IntArray, IntArray]:

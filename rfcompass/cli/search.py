@@ -170,13 +170,15 @@ def as_folder(run: "SearchRun", result: "SearchResult", asked: dict[str, Any]) -
 
 def _facts(result: "SearchResult", asked: dict[str, Any]) -> tuple[tuple[str, str], ...]:
     """What film and report say beside the pictures: what was asked, and what came of it."""
-    told_by_truth = [what for what, key in (("masks", "true_masks"),) if asked[key]]
     return (
         ("policy", str(asked["policy"])),
-        ("pile", f"simulated, {asked['way']}: {asked['items']} things in {asked['piles']}, seed {asked['seed']}"),
+        (
+            "pile",
+            f"simulated, {asked['way']}, {asked['items']} distractors, {asked['piles']} pile(s), seed {asked['seed']}",
+        ),
         ("target", "taken away before" if asked["absent"] else str(asked["target"])),
         ("tags", f"{asked['tags_dealt']} on other things{', one on the target' if asked['tag_target'] else ''}"),
-        ("told by the simulator", ", ".join(told_by_truth) or "nothing"),
+        ("told by the simulator", "masks" if asked["true_masks"] else "nothing"),
         ("outcome", result.outcome),
         ("actions", str(result.actions)),
         ("failed grasps", str(result.failed_grasps)),

@@ -115,14 +115,18 @@ class VisualMap(Record):
         return float(self.unobserved.sum()) * self.workspace.spacing_m**3
 
     def room_m3(self, edge_m: float) -> float:
-        """Volume where nothing was seen and a cube of some edge fits, besides into what is a surface [m³].
+        """Volume that no view looked into, as far as a ball of some diameter has room there [m³].
 
-        Slivers behind edges are no place for an item: whoever looks for one asks with its shortest edge. A cube is
-        taken one voxel smaller than it is, since it need not stand on the grid.
+        Slivers behind edges are no place for an item: whoever looks for one asks with its shortest edge, for a box, a
+        cylinder or an ellipsoid holds such a ball. The ball may reach into surfaces, and is taken smaller by half a
+        voxel's diagonal, since its middle need not be on the grid: where this is 0, such an item is not there.
         """
-        voxels = max(1, int(edge_m / self.workspace.spacing_m + 1e-9) - 1)
-        free_of_sight = self.unobserved | (self.states == SURFACE)
-        fits = ndimage.binary_opening(free_of_sight, structure=np.ones((voxels, voxels, voxels)))
+        voxels = (edge_m / 2 / self.workspace.spacing_m) - np.sqrt(3) / 2
+        reach = max(int(voxels), 0)
+        steps = np.indices((2 * reach + 1,) * 3) - reach
+        ball = (steps**2).sum(axis=0) <= max(voxels, 0.0) ** 2
+        not_free = self.unobserved | (self.states == SURFACE)
+        fits = ndimage.binary_opening(not_free, structure=ball)
         return float((fits & self.unobserved).sum()) * self.workspace.spacing_m**3
 
     def uncertainty(self) -> VoxelGrid:

@@ -68,7 +68,7 @@ class SimulatedPileRobot:
         world: The pile now; truth.
         taken: Numbers of the items in the drop zone, in order; truth.
         motions: What the arm did, and when each motion began [s].
-        tables: States of all items after each grasp, and when the hand had closed [s]; truth.
+        tables: States of all items at the start and after each grasp, and when the hand had closed [s]; truth.
         scanned: What the first scan handed out; None while there was none, or nothing on the table carries a tag.
     """
 

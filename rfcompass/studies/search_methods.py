@@ -30,7 +30,7 @@ _OUR_VIEWS: Mapping[str, Any] = {
     "update_edge_m": WHOLE_VIEW_M,
     "remembers": True,
 }
-# One image of all at every step, the first included.
+# Every choice from one image of all, the first included; no scan.
 _ONE_IMAGE: Mapping[str, Any] = {"looks": OVERHEAD, "scans": False}
 Maker = Callable[[ItemSize, int], SearchMethod]
 

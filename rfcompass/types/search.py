@@ -157,8 +157,8 @@ class SearchResult(Record):
         elapsed_s: Time that the arm moved, scans included [s].
         hidden_m3: Volume that no view has looked into at the end [m³].
         tags_located: Tags that were located confidently before the first action.
-        room_m3: The part of it in which something as thick as the target's shortest edge fits [m³]: the map's own
-            verdict on a target that was not found; None where there was no map.
+        room_m3: The part of it in which a ball as thick as the target's shortest edge could lie [m³]: the map's own
+            verdict on a target that was not found; None where nothing was mapped.
     """
 
     outcome: str

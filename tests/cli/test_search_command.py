@@ -27,7 +27,7 @@ def test_a_search_leaves_a_folder_that_says_what_it_printed(run, tmp_path):
     survey = run("survey", out / "trace", "--method", "sar", "--json").json  # what was heard can be located again
     assert 1 <= len(survey["tags"]) <= asked["tags_dealt"]
     report = (out / "report.html").read_text(encoding="utf-8")
-    assert "simulated, covered: 4 things in 1, seed 1" in report
+    assert "simulated, covered, 4 distractors, 1 pile(s), seed 1" in report
     assert len(events) == ran.json["actions"]
     assert open_pile(out / "pile.json").seed == 1
     for page in ("view.html", "report.html"):

@@ -517,6 +517,49 @@ def test_an_object_that_the_arm_cannot_reach_does_not_block_one_that_it_can(gate
     assert abs(robot.done[0].T_world_hand[0, 3]) > 0.1
 
 
+def test_what_is_out_of_reach_above_a_cluster_does_not_block_the_rest_of_the_table() -> None:
+    class AllButNear(ScriptedRobot):
+        """Reaches what the image of all shows."""
+
+        def reaches(self, action: ExtractionAction) -> bool:
+            return self.heights_m[-1] == OVERHEAD_M
+
+    robot = AllButNear([FOUND])
+    assert search(robot, looks=CLUSTER).run().found
+    assert robot.heights_m == [NEAR_M, OVERHEAD_M]
+
+
+def test_an_attempt_that_was_none_moves_nothing_and_asks_no_tag() -> None:
+    robot = ScriptedRobot([UNREACHED, HELD, FOUND], fixes=(fix(0.1),))
+    search(robot).run()
+    asked = [bool(tags) for tags in robot.asked_tags]
+    assert asked.count(True) == 1  # after what was held alone
+
+
+def test_a_surer_grasp_that_the_arm_cannot_make_is_none() -> None:
+    class Middle(ScriptedRobot):
+        """Reaches the middle of the table alone."""
+
+        def reaches(self, action: ExtractionAction) -> bool:
+            return bool(abs(action.T_world_hand[0, 3]) < 0.1)
+
+    robot = Middle([MISSED])
+    with_a_strip(robot, costs=ActionCosts(), looks=OVERHEAD, looks_closer=True, remembers=True)
+    assert len(robot.done) == 5
+    assert all(abs(action.T_world_hand[0, 3]) < 0.1 for action in robot.done)
+
+
+def test_where_nothing_was_mapped_no_room_is_claimed() -> None:
+    robot = ScriptedRobot([HELD])
+
+    def refuse() -> PileLook:
+        raise OutOfReach("the arm cannot go round the table")
+
+    robot.scan = refuse  # type: ignore[method-assign]
+    assert search(robot).run().room_m3 is None
+    assert search(ScriptedRobot([FOUND])).run().room_m3 is not None
+
+
 def test_a_grasp_that_only_the_far_image_shows_in_reach_is_made() -> None:
     class High(ScriptedRobot):
         """Reaches the grasps of a policy alone, which are 8 cm high."""

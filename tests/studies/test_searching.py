@@ -20,7 +20,6 @@ from rfcompass.studies.search_methods import METHODS, search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
 from rfcompass.types import ExtractionAction, GraspMaps, InstanceMasks, TagFix
 from rfcompass.types.grasps import Failure
-from rfcompass.types.search import SEARCH_ENDS
 
 SEED = 1
 
@@ -150,6 +149,7 @@ def test_a_tag_whose_thing_lay_still_stays_where_it_was():
     assert fixes
     robot.look(np.array([-0.2, -0.2, 0.05]), 0.6)
     followed = robot.look(np.array([0.2, 0.2, 0.05]), 0.6, fixes).fixes
+    assert len(followed) >= 2
     assert {fix.epc for fix in followed} <= {fix.epc for fix in fixes}
     stayed = [any(fix is old for old in fixes) for fix in followed]
     assert sum(stayed) >= len(followed) - 1
@@ -278,8 +278,8 @@ def test_a_simulated_search_without_masks_ends_and_says_so(name):
 def test_where_nothing_promises_to_hold_a_simulated_search_tries_and_ends(name):
     run = begin(name, quality=NoGrasp())
     result = run.run()
-    assert result.outcome in SEARCH_ENDS
     assert 1 <= result.actions <= 15
+    assert {step.chance for step in result.steps} == {0.0}
     assert result.found == (run.task.scene.target in run.robot.taken)
 
 

@@ -110,6 +110,15 @@ def test_what_is_held_goes_with_the_hand_and_is_seen_only_while_it_is_held():
     assert [row["type"] for row in sent].count("set_object") == 1
     (own,) = (row["matrix"] for row in sent if row["type"] == "set_transform" and row["path"].endswith("box_1"))
     np.testing.assert_allclose(np.reshape(own, (4, 4)), np.eye(4), atol=1e-9)  # where the hand is, as it lay in it
+    (last,) = (row["matrix"] for row in sent if row["type"] == "set_transform" and row["path"].endswith("carried_0"))
+    np.testing.assert_allclose(np.reshape(last, (4, 4)).T, high, atol=1e-9)
+    (moved,) = (
+        clip["clip"]["tracks"]
+        for row in view.window.commands[-1:]
+        for clip in row["animations"]
+        if clip["path"].endswith("carried_0")
+    )
+    assert any(track["name"] == ".position" and len(track["keys"]) == 2 for track in moved)
     (shown,) = (row["value"] for row in sent if row["type"] == "set_property" and row["property"] == "visible")
     assert not shown  # at the end
 
