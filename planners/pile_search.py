@@ -254,7 +254,7 @@ class PileSearch:
 
     def _choose(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ChosenGrasp]:
         """Objects in a view, and the removal that the policy chooses."""
-        offer = self._offer(view, self._failed_m if self.method.remembers else ())
+        offer = self._offer(view, tuple(self._failed_m) if self.method.remembers else ())
 
         def choose(left: Offer) -> ChosenGrasp:
             action = self.method.policy.choose(grid, view, left.masks, left.grasps, left.failed_m)
