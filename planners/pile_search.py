@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from planners.extraction import best_cluster
+from planners.failed_grasps import MOVED_M, FailedGrasps
 from planners.reachable_choice import Offer, choose_within_reach
 from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
 from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp
@@ -49,8 +50,6 @@ from rfcompass.types.search import (
     UNREACHABLE,
 )
 
-# Ours: a tag so near to a grasp may have moved, and is listened to again [m].
-_MOVED_M = 0.15
 _ENDS = {
     NothingHidden: NOTHING_HIDDEN,
     NothingToGrasp: NOTHING_TO_GRASP,
@@ -111,9 +110,7 @@ class PileSearch:
     rules: PileSearchRules = field(default_factory=PileSearchRules)
     _seen: VisualMap = field(init=False, repr=False)
     _fixes: dict[str, TagFix] = field(init=False, repr=False, default_factory=dict)
-    _failed_m: list[FloatArray] = field(init=False, repr=False, default_factory=list)
-    _older_m: list[FloatArray] = field(init=False, repr=False, default_factory=list)
-    _failures: int = field(init=False, repr=False, default=0)
+    _failed: FailedGrasps = field(init=False, repr=False)
     _done: list[SearchStep] = field(init=False, repr=False, default_factory=list)
     _located: int = field(init=False, repr=False, default=0)
     _in_sight: PileLook | None = field(init=False, repr=False, default=None)
@@ -127,6 +124,7 @@ class PileSearch:
                 message = f"{type(part).__name__} has its table at {table_m} m, the workspace at {expected_m} m"
                 raise InputError(message, got=table_m, expected=expected_m)
         self._seen = VisualMap.empty(self.workspace)
+        self._failed = FailedGrasps(self.method.remembers)
 
     def run(self, watch: Callable[[SearchStep], object] | None = None) -> SearchResult:
         """Search to the end, whatever that is.
@@ -151,12 +149,12 @@ class PileSearch:
 
     def _at_the_limit(self) -> SearchResult:
         """How a search ends that was stopped by its rules."""
-        if self._failures < self.rules.most_failures:
+        if self._failed.in_a_row < self.rules.most_failures:
             return self._ended(TOO_MANY_ACTIONS, f"the target was not found in {len(self._done)} actions")
-        last = [step.attempt for step in self._done[-self._failures :]]
+        last = [step.attempt for step in self._done[-self._failed.in_a_row :]]
         if all(attempt.outcome == UNREACHABLE for attempt in last):
             return self._ended(OUT_OF_REACH, f"the arm reaches nothing that is to be taken: {last[-1].message}")
-        return self._ended(TOO_MANY_FAILURES, f"{self._failures} grasps failed one after the other")
+        return self._ended(TOO_MANY_FAILURES, f"{self._failed.in_a_row} grasps failed one after the other")
 
     def steps(self) -> Iterator[SearchStep]:
         """Scan, then act until a stop rule; yields each action once it is over, for whoever watches.
@@ -169,7 +167,7 @@ class PileSearch:
             ArmStopped: If the arm stopped in the middle of a grasp.
         """
         self._scan()
-        while len(self._done) < self.rules.most_actions and self._failures < self.rules.most_failures:
+        while len(self._done) < self.rules.most_actions and self._failed.in_a_row < self.rules.most_failures:
             step = self._step()
             self._done.append(step)
             self._after(step)
@@ -219,7 +217,7 @@ class PileSearch:
         found = find_visible_target(view, self.rules.target_colour)
         if found is None or not len(found.points_m):
             return None
-        offer, table_m = self._offer(view, self._tried_m), self.workspace.table_m
+        offer, table_m = self._offer(view, self._failed.tried_m), self.workspace.table_m
         chosen = choose_within_reach(
             offer,
             lambda left: grasp_target(view, found.pixels, left.masks, left.grasps, left.failed_m, table_m),
@@ -254,7 +252,7 @@ class PileSearch:
 
     def _choose(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ChosenGrasp]:
         """Objects in a view, and the removal that the policy chooses."""
-        offer = self._offer(view, tuple(self._failed_m) if self.method.remembers else ())
+        offer = self._offer(view, tuple(self._failed.recent_m) if self.method.remembers else ())
 
         def choose(left: Offer) -> ChosenGrasp:
             action = self.method.policy.choose(grid, view, left.masks, left.grasps, left.failed_m)
@@ -278,7 +276,7 @@ class PileSearch:
             return self._act(view, masks, grid, first)
         if (step := self._target_step(near)) is not None:
             return step
-        offer = self._offer(near, self._tried_m if self.method.remembers else ())
+        offer = self._offer(near, self._failed.tried_m if self.method.remembers else ())
         again = choose_within_reach(
             offer,
             lambda left: grasp_again(action, near, offer.masks, left.grasps, left.failed_m),
@@ -298,11 +296,11 @@ class PileSearch:
         """
         if (costs := self.method.costs) is None:
             return None
-        risk = replace(costs, failures=self.rules.most_failures).risk(self._failures)
+        risk = replace(costs, failures=self.rules.most_failures).risk(self._failed.in_a_row)
         if not risk > 1.0:
             return None
         surer = choose_within_reach(
-            replace(offer, failed_m=self._tried_m),
+            replace(offer, failed_m=self._failed.tried_m),
             lambda left: surest_grasp(left.view, left.masks, left.grasps, left.failed_m),
             self.robot.reaches,
         )
@@ -355,20 +353,17 @@ class PileSearch:
         """Remember what failed, forget tags that are gone, look again at where the hand was."""
         point_m = step.action.T_world_hand[:3, 3]
         if step.attempt.success:
-            self._failures = 0
-            self._older_m = [place_m for place_m in self._tried_m if np.linalg.norm(place_m - point_m) > _MOVED_M]
-            self._failed_m.clear()
+            self._failed.succeeded(point_m)
             for epc in step.attempt.epcs:
                 self._fixes.pop(canonical_epc(epc), None)
         else:
-            self._failures += 1
-            self._failed_m.append(point_m)
+            self._failed.failed(point_m)
         if step.attempt.shows_target:
             return
         if step.attempt.outcome == UNREACHABLE:  # nothing was touched, and what was seen is still so
             return
         near = [
-            fix for fix in self._fixes.values() if fix.confident and np.linalg.norm(fix.point_m - point_m) < _MOVED_M
+            fix for fix in self._fixes.values() if fix.confident and np.linalg.norm(fix.point_m - point_m) < MOVED_M
         ]
         try:
             look = self.robot.look(point_m, NEAR_M, near)
@@ -378,11 +373,6 @@ class PileSearch:
         self._seen = _refreshed(self._seen, look.views, point_m, self.method.update_edge_m)
         self._in_sight = look
         self._fixes |= {canonical_epc(fix.epc): fix for fix in look.fixes}
-
-    @property
-    def _tried_m(self) -> tuple[FloatArray, ...]:
-        """Where grasps have failed since the last success; with memory, since anything was taken near by."""
-        return (*(self._older_m if self.method.remembers else ()), *self._failed_m)
 
     def _target_in_sight(self) -> FloatArray | None:
         """Middle of the target's pixels in the last look that shows it, in the world [m], shape (3,)."""
