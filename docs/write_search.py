@@ -176,6 +176,40 @@ def headlines(got):
     return table(("against X-Ray", "paper, times:", "on our piles, ratio of means:", "piles:"), *lines)
 
 
+# Ways whose grasps are pooled; the literal ones grasp in the image in which they choose, ours looks again from near.
+PROMISES = {"literal FuseBot": ("fusebot_0", "fusebot_8"), "literal X-Ray": ("xray",), "ours": ("ours_0", "ours_8")}
+PROMISED = (0.0, 0.3, 0.5, 0.7, 0.85, 0.95, 1.0)
+
+
+def promises(got):
+    """What images promised of the grasps of searches, and how many of them held."""
+    columns = []
+    for arms in PROMISES.values():
+        said, held = grasps_of(got, arms)
+        if not len(said):
+            return "–"
+        chosen = [(said >= low) & ((said < high) | (high == 1.0)) for low, high in zip(PROMISED, PROMISED[1:], strict=False)]
+        cells = [f"{said[of].mean():.2f} / {held[of].mean():.2f}, {of.sum()}" if of.any() else "–" for of in (said >= 0, *chosen)]
+        columns.append([*cells, f"{ranked(said, held):.2f}"])
+    ranges = [f"{low:g} to {high:g}" for low, high in zip(PROMISED, PROMISED[1:], strict=False)]
+    heads = (f"{way}, {' and '.join(f'`{arm}`' for arm in arms)}:" for way, arms in PROMISES.items())
+    lines = [[name, *cells] for name, *cells in zip(("all", *ranges, "AUC"), *columns, strict=True)]
+    return table(("promised / held, grasps", *heads), *lines)
+
+
+def grasps_of(got, arms):
+    """Promise of each grasp of some arms, and whether it held."""
+    said, held = ([value for arm in arms for row in got.rows.column(f"{what}_{arm}").to_pylist() if row for value in row]
+                  for what in ("said", "grasps"))  # fmt: skip
+    return np.array(said, dtype=np.float64), np.array(held, dtype=np.float64)
+
+
+def ranked(said, held):
+    """How often a grasp that held had been promised more than one that did not: the AUC."""
+    above = said[held > 0][:, None] - said[held == 0]
+    return float((above > 0).mean() + 0.5 * (above == 0).mean())
+
+
 def write(runs):
     """Rewrite the page."""
     got = Results(runs, "searches")
@@ -199,6 +233,8 @@ def write(runs):
         family_table(got),
         "### How much of the bound",
         bound(got),
+        "### Do grasps hold what was promised?",
+        promises(got),
     ])  # fmt: skip
     page = DOCS / "search_studies.md"
     old = page.read_text(encoding="utf-8")
