@@ -4,7 +4,7 @@
 
 Hidden targets, no tags. `fusebot_equal` (Eq. 4 on the paper's map) searches; at each of its decisions all rules are
 asked the same question, and the simulator tells which object lies over the target's middle. Decisions where nothing in
-sight does are left out. Printed for each rule, before the first removal and after it: how often that object has the
+sight does are left out. Printed for each rule, at the first decision and at later ones: how often that object has the
 largest score, and -log2 of its share of all scores, the mean over decisions. So states are those that the paper's map
 leads to, and a thing beside may bring the target to light as well: this says what maps know, not how searches go.
 """
@@ -79,7 +79,7 @@ class Asked(Record):
 
     Attributes:
         family: Of the pile, and its `seed`.
-        removed: Whether something had been tried before.
+        later: Whether it was not the search's first decision.
         rule: Which one.
         first: Whether the thing over the target had the largest score.
         share: Its share of all scores.
@@ -88,7 +88,7 @@ class Asked(Record):
 
     family: str
     seed: int
-    removed: bool
+    later: bool
     rule: str
     first: bool
     share: float
@@ -164,10 +164,10 @@ def gathered(families: Iterable[str], seeds: Iterable[int]) -> Iterator[Asked]:
 
 
 def line(rule: str, rows: Sequence[Asked]) -> str:
-    """A line of the table: before the first removal, after it, all."""
+    """A line of the table: the first decision, later ones, all."""
     cells = []
     for of in ((False,), (True,), (False, True)):
-        these = [row for row in rows if row.rule == rule and row.removed in of]
+        these = [row for row in rows if row.rule == rule and row.later in of]
         if not these:
             cells.append("–")
             continue
@@ -180,7 +180,7 @@ def line(rule: str, rows: Sequence[Asked]) -> str:
 
 HEAD = """{family}: how often it comes first · bits · height of what comes first [cm], decisions
 
-| map | before the first removal | after it | all |
+| map | first decision | later ones | all |
 | --- | ---: | ---: | ---: |"""
 
 

@@ -28,8 +28,8 @@ def grid(values):
     return VoxelGrid(origin_m=np.zeros(3), spacing_m=0.01, values=np.asarray(values, dtype=float))
 
 
-def row(rule, *, first, share, removed):
-    return Asked("covered_1p10", 0, removed, rule, first, share, 0.1)
+def row(rule, *, first, share, later):
+    return Asked("covered_1p10", 0, later, rule, first, share, 0.1)
 
 
 def test_asking_changes_no_search_and_every_rule_answers_every_question():
@@ -40,7 +40,7 @@ def test_asking_changes_no_search_and_every_rule_answers_every_question():
     answers = [[asked for asked in rows if asked.rule == rule.name] for rule in RULES]
     assert len({len(of) for of in answers}) == 1
     assert 1 <= len(answers[0]) <= plain.actions
-    assert not answers[0][0].removed
+    assert not answers[0][0].later
     assert all(0 <= asked.share <= 1 for asked in rows)
 
 
@@ -65,8 +65,8 @@ def test_all_of_a_map_under_one_thing_is_its_share_and_less_trust_levels_shares(
     assert 0.5 < doubting[0] < trusting[0] < 1
 
 
-def test_a_line_tells_decisions_before_and_after_the_first_removal_apart():
-    rows = [row("paper", first=True, share=0.5, removed=False), row("paper", first=False, share=0.0, removed=True)]
+def test_a_line_tells_the_first_decision_and_later_ones_apart():
+    rows = [row("paper", first=True, share=0.5, later=False), row("paper", first=False, share=0.0, later=True)]
     bits = -np.log2(LEAST_SHARE)
     expected = f"1.00 · 1.00 · 10.0, 1 | 0.00 · {bits:.2f} · 10.0, 1 | 0.50 · {(1 + bits) / 2:.2f} · 10.0, 2 |"
     assert line("paper", rows) == f"| paper | {expected}"
@@ -84,7 +84,7 @@ def test_report_seeds_are_refused_and_a_pile_that_cannot_be_made_is_left_out(mon
 
     monkeypatch.setattr(map_choices, "pile_scene", scene)
     monkeypatch.setattr(
-        map_choices, "asked_in", lambda family, seed: [row("paper", first=True, share=0.5, removed=False)]
+        map_choices, "asked_in", lambda family, seed: [row("paper", first=True, share=0.5, later=False)]
     )
     assert main(["--seeds", "0:3", "--family", "covered_1p10", "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out)) == 2
