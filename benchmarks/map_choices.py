@@ -108,9 +108,10 @@ class Onlooker:
 
     def believe(self, seen: VisualMap, target: ItemSize, fixes: Fixes, sizes: Sequence[ItemSize]) -> VoxelGrid:
         """The paper's map; those of all rules are kept for the choice."""
-        self._grids = {rule.name: rule.belief.believe(seen, target, fixes, sizes) for rule in RULES}
+        grids = {belief: belief.believe(seen, target, fixes, sizes) for belief in {rule.belief for rule in RULES}}
+        self._grids = {rule.name: grids[rule.belief] for rule in RULES}
         self._decisions += 1
-        return PaperBelief().believe(seen, target, fixes, sizes)
+        return grids[PaperBelief()]
 
     def choose(
         self,
