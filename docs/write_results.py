@@ -460,11 +460,13 @@ def write_grasp_trials(runs):
 
 def write_search(runs):
     """Write the tables of the page on searches."""
+    import write_orderings as orderings
     import write_search as main_study
     import write_search_studies as others
 
     main_study.write(runs)
     others.write(runs)
+    orderings.write(runs)
 
 
 def main(runs):

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pyarrow.compute as pc
 from write_results import Results, table
 
 from rfcompass.evaluation.statistics import wilson_interval
@@ -14,20 +15,6 @@ from rfcompass.studies.searches import ARMS, EVERY_ARM, GATE_PAIRS, PAIRS
 
 DOCS = Path(__file__).resolve().parent
 BEGIN, END = "<!-- search-results -->", "<!-- /search-results -->"
-# Orderings of the paper: which arm does better than which in what, and where that is printed.
-ACTIONS, TIME, FOUND = "all_{}", "time_s_{}", "found_{}"
-ORDERINGS = (
-    (ACTIONS, "fusebot_8", "xray", "actions: FuseBot, 8 tags, below X-Ray", "Table 1"),
-    (ACTIONS, "fusebot_0", "xray", "FuseBot without tags below X-Ray", "Fig. 9b"),
-    (ACTIONS, "fusebot_quarter", "xray", "FuseBot, a quarter tagged, below X-Ray", "section 1"),
-    (ACTIONS, "fusebot_own", "xray", "tagged target below X-Ray", "Table 1"),
-    (ACTIONS, "fusebot_8", "fusebot_0", "8 tags below no tags", "Fig. 9b"),
-    (ACTIONS, "fusebot_own", "fusebot_0", "tagged target below untagged", "Table 1"),
-    (ACTIONS, "fusebot_0", "naive", "its policy below the naive one", "Table 3"),
-    (TIME, "fusebot_8", "xray", "time where both found it [s]: FuseBot, 8 tags, below X-Ray", "Table 2"),
-    (FOUND, "fusebot_8", "xray", "found [%]: FuseBot, 8 tags, above X-Ray", "Table 1"),
-    (FOUND, "fusebot_own", "xray", "tagged target above X-Ray", "Table 1"),
-)
 
 
 def families(got):
@@ -103,29 +90,10 @@ def difference_table(got, pairs=PAIRS):
     return table(("actions, paired", "all:", *(f"{name}:" for name in families(got))), *lines)
 
 
-def orderings(got):
-    """Every ordering of the paper: shown, not shown, or reversed."""
-    lines = []
-    for measure, one, other, words, where in ORDERINGS:
-        pairs = zip(*(got.rows.column(measure.format(arm)).to_pylist() for arm in (one, other)), strict=True)
-        scale = 100.0 if measure == FOUND else 1.0
-        values = scale * np.array([number(a) - number(b) for a, b in pairs if a not in (None, []) and b not in (None, [])])
-        draws = np.random.default_rng(0).choice(values, (4000, len(values))).mean(axis=1)
-        low, high = np.percentile(draws, [2.5, 97.5]) * (-1 if measure == FOUND else 1)
-        low, high = min(low, high), max(low, high)
-        verdict = "*shown*" if high < 0 else ("*reversed*" if low > 0 else "*not shown*")
-        lines.append([words, where, interval(values), verdict])
-    return table(("ordering", "paper", "first less second", "on our piles"), *lines)
-
-
-def number(value):
-    """A value of a row, or the only one of its list."""
-    return float(value[0] if isinstance(value, list) else value)
-
-
-def together(got, *columns):
-    """Values of columns on the scenes that have all of them, shape (columns, scenes)."""
-    rows = zip(*(got.rows.column(column).to_pylist() for column in columns), strict=True)
+def together(got, *columns, family=None):
+    """Values of columns on the scenes that have all of them, shape (columns, scenes), of one family if it is named."""
+    of = got.rows if family is None else got.rows.filter(pc.equal(got.rows.column("family"), family))
+    rows = zip(*(of.column(column).to_pylist() for column in columns), strict=True)
     return np.array([row for row in rows if None not in row], dtype=np.float64).T
 
 
@@ -143,13 +111,15 @@ def saved(means):
 
 
 def bound(got):
-    """Which share of what knowing the place would save against random is saved by each way."""
+    """Which share of what knowing the place would save against random is saved by each way, by family as well."""
     lines = []
     for arm in ARMS:
         if arm not in ("random_gate", "known"):
-            values = together(got, "all_random_gate", "all_known", f"all_{arm}")
-            lines.append([f"`{arm}`", str(values.shape[1]), spread(values, saved)])
-    return table(("way", "piles:", "of what knowing the place saves against `random_gate`, %:"), *lines)
+            columns = ("all_random_gate", "all_known", f"all_{arm}")
+            of = [together(got, *columns), *(together(got, *columns, family=family) for family in families(got))]
+            lines.append([f"`{arm}`", *(spread(values, saved) for values in of)])
+    heads = ("all:", *(f"{family}:" for family in families(got)))
+    return table(("of what knowing the place saves against `random_gate`, %", *heads), *lines)
 
 
 HEADLINES = (
@@ -219,8 +189,6 @@ def write(runs):
         "Bounds: `known` is told where the target is, `others_known` where and how all other things lie. The paper prints p50 /\n"
         "p90 3 / 6 for FuseBot, 5 / 11 for X-Ray, 2 / 5 for a tagged target, found in 95, 84 and 95 %; 62 / 132 s and 142 / 237 s; naive 4 / 6.9.",
         main_table(got),
-        "### What the paper orders",
-        orderings(got),
         "### Headline ratios",
         headlines(got),
         "### What differs, on the same piles",

@@ -13,6 +13,7 @@ import pyarrow.compute as pc
 from write_results import Results, table
 from write_search import difference_table, family_table, interval, main_table, pooled_quantiles, pooled_values, share
 
+from rfcompass.studies.search_classes import BY_CLASS, CLASS_PAIRS
 from rfcompass.studies.search_confirm import CONFIRM_ARMS, CONFIRM_PAIRS
 from rfcompass.studies.search_figures import BY_LEVEL, BY_TAGS, LEVEL_PAIRS, TAG_PAIRS
 from rfcompass.studies.search_kernels import KERNELS
@@ -63,7 +64,7 @@ def levels(got):
 
 def classes(got):
     """By how much of the target is in sight."""
-    return by_part(parts(got, "target_class"), BY_LEVEL, LEVEL_PAIRS)
+    return by_part(parts(got, "target_class"), BY_CLASS, CLASS_PAIRS)
 
 
 # Fig. 9b counts tags that were located: from and to.

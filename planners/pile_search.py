@@ -16,10 +16,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from planners.extraction import best_cluster
+from planners.extraction import best_cluster, highest_voxel_m
 from planners.failed_grasps import MOVED_M, FailedGrasps
 from planners.reachable_choice import Offer, choose_within_reach
-from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
+from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, PEAK, SearchMethod
 from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, CameraBlocked, InputError, NothingHidden, NothingToGrasp, OutOfReach
@@ -229,15 +229,15 @@ class PileSearch:
         """Take off what the policy chooses."""
         if self.method.looks == OVERHEAD:
             return self._taking(view, grid, *self._choose(view, grid))
-        above = self._chosen_above_cluster(view, grid)
+        above = self._chosen_from_near(view, grid)
         if above is not None:
             return self._taking(view, grid, *above)
-        # What is above the cluster is flat, gone, or out of reach: the rest of the table may still hold something.
+        # What is seen there is flat, gone, or out of reach: the rest of the table may still hold something.
         view = self._overhead()
         return self._target_step(view) or self._taking(view, grid, *self._choose(view, grid))
 
-    def _chosen_above_cluster(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ChosenGrasp] | None:
-        """The choice from an image of one cluster; None if there is none, or none within reach."""
+    def _chosen_from_near(self, view: DepthView, grid: VoxelGrid) -> tuple[InstanceMasks, ChosenGrasp] | None:
+        """The choice from an image of a part of the map; None if there is none, or none within reach."""
         try:
             masks, chosen = self._choose(view, grid)
         except NothingToGrasp:
@@ -321,6 +321,8 @@ class PileSearch:
         """The image in which the next grasp is chosen."""
         if self.method.looks == OVERHEAD:
             return self._overhead()
+        if self.method.looks == PEAK:
+            return self._near_or_overhead(highest_voxel_m(grid))
         return self._near_or_overhead(best_cluster(grid, self.method.cluster_threshold).point_m)
 
     def _near_or_overhead(self, point_m: FloatArray) -> DepthView:

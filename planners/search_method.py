@@ -14,9 +14,9 @@ from rfcompass.interfaces import ExtractionPolicy
 from rfcompass.mapping.visual_map import LOCAL_EDGE_M
 from rfcompass.types.record import Record
 
-CLUSTER, OVERHEAD = "cluster", "overhead"
-LOOKS = (CLUSTER, OVERHEAD)
-# Ours: height of the camera over the table above the cluster, the chosen object, and each place that was grasped; and
+CLUSTER, PEAK, OVERHEAD = "cluster", "peak", "overhead"
+LOOKS = (CLUSTER, PEAK, OVERHEAD)
+# Ours: height of the camera over the table above the part of the map, the chosen object, and each place that was grasped; and
 # from where one image shows all piles [m].
 NEAR_M, OVERHEAD_M = 0.60, 0.85
 # Ours: edge of what is looked at again by a method that uses all that the view shows [m].
@@ -31,7 +31,8 @@ class SearchMethod(Record):
         name: What tables call it.
         policy: What to take next.
         belief: Where the target may be; None for a policy that needs no map. What nobody saw then stands for it.
-        looks: `cluster`: from near above the likeliest part of the map. `overhead`: from where one image shows all.
+        looks: `cluster`: from near above the likeliest part of the map. `peak`: from near above its highest voxel.
+            `overhead`: from where one image shows all.
         update_edge_m: Edge of the cube about a grasp that is looked at again after it [m]; 10 cm in the paper.
         remembers: Whether failed grasps count where an object and its grasp are chosen; a policy's own `remembers`, if
             it has one, must be on as well. What failed on a target in sight since the last success counts either way.
@@ -60,7 +61,7 @@ class SearchMethod(Record):
     def __post_init__(self) -> None:
         """Check the views, the edge and the threshold."""
         if not self.scans and (self.belief is not None or self.looks != OVERHEAD):
-            raise InputError("SearchMethod.scans: a map, and a look at its clusters, need a scan", got=self.scans)
+            raise InputError("SearchMethod.scans: a map, and a look at part of it, need a scan", got=self.scans)
         if self.looks not in LOOKS:
             message = f"SearchMethod.looks: {self.looks!r} is none of {', '.join(LOOKS)}"
             raise InputError(message, got=self.looks, known=list(LOOKS))

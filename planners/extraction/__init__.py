@@ -7,7 +7,7 @@ A policy is a frozen record of parameters without memory. `best_cluster` says wh
 
 from planners.extraction.blind_policies import LargestMaskPolicy, RandomPolicy
 from planners.extraction.candidates import Candidates, find_candidates
-from planners.extraction.clusters import Cluster, best_cluster, clusters_of
+from planners.extraction.clusters import Cluster, best_cluster, clusters_of, highest_voxel_m
 from planners.extraction.fewest_actions import ActionCosts, FewestActionsPolicy
 from planners.extraction.fusebot_policy import FuseBotPolicy
 from planners.extraction.layers import LayerRules
@@ -34,6 +34,7 @@ __all__ = [
     "best_cluster",
     "clusters_of",
     "find_candidates",
+    "highest_voxel_m",
     "mask_scores",
     "project_masks",
 ]

@@ -57,6 +57,12 @@ def best_cluster(grid: VoxelGrid, threshold: float = THRESHOLD) -> Cluster:
     return max(clusters_of(grid, threshold), key=lambda cluster: cluster.mean)
 
 
+def highest_voxel_m(grid: VoxelGrid) -> FloatArray:
+    """Middle of the likeliest voxel, the first of equals, in the world [m], shape (3,)."""
+    at = np.unravel_index(int(grid.values.argmax()), grid.values.shape)
+    return grid.origin_m + grid.spacing_m * np.array(at)
+
+
 def clusters_of(grid: VoxelGrid, threshold: float = THRESHOLD) -> tuple[Cluster, ...]:
     """Cut a map into clusters; arguments and errors as for `best_cluster`."""
     if not 0 <= threshold < 1:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planners.extraction.candidates import tried_before
+from planners.extraction.clusters import highest_voxel_m
 from planners.extraction.mask_policy import Scene, scene_of, take
 from planners.extraction.scores import TAU
 from planners.grasp_at_pixel import grasp_at_pixel
@@ -70,8 +71,6 @@ class NaivePolicy(Record):
 
 def _distance_to_peak_m(scene: Scene) -> FloatArray:
     """Level distance of each pixel of an object to the map's highest voxel, infinite elsewhere, shape (H, W)."""
-    grid = scene.grid
-    peak = np.array(np.unravel_index(int(grid.values.argmax()), grid.values.shape))
-    at_m = grid.origin_m + grid.spacing_m * peak
+    at_m = highest_voxel_m(scene.grid)
     off_m = np.hypot(scene.points_m[..., 0] - at_m[0], scene.points_m[..., 1] - at_m[1])
     return np.where((scene.masks.labels > 0) & np.isfinite(off_m), off_m, np.inf)

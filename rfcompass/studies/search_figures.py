@@ -5,25 +5,37 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rfcompass.evaluation.records import MetricValue
-from rfcompass.studies.searches import DIFFERS, TAGS, TUNED_BELOW, Arm, metrics_of, row_of
+from rfcompass.studies.searches import DIFFERS, KNOWN, TAGS, TUNED_BELOW, Arm, metrics_of, row_of
 from rfcompass.studies.study import Cell, PaperValue, Study
 
 LEVELS = ("covered_2p20", "covered_3p25", "covered_3p42")
 BY_LEVEL: Mapping[str, Arm] = {
     "fusebot_8": Arm("fusebot", TAGS),
     "xray": Arm("xray"),
+    "xray_views": Arm("xray_views"),
     "ours_8": Arm("ours", TAGS),
+    KNOWN: Arm(KNOWN),
 }
-LEVEL_PAIRS: Sequence[tuple[str, str]] = (("fusebot_8", "xray"), ("ours_8", "fusebot_8"), ("ours_8", "xray"))
+LEVEL_PAIRS: Sequence[tuple[str, str]] = (
+    ("fusebot_8", "xray"),
+    ("ours_8", "fusebot_8"),
+    ("ours_8", "xray"),
+    ("ours_8", "xray_views"),
+    (KNOWN, "ours_8"),
+)
+PLACEMENTS = ("touching", "opposite", "other_pile")
 # Fig. 9b has 0 to 9 tags, Fig. 9c a few of them touching the target, opposite, or in other piles.
 BY_TAGS: Mapping[str, Arm] = {
     **{f"{way}_{count}": Arm(way, count) for way in ("fusebot", "ours") for count in (0, 3, 6, 9)},
-    **{f"fusebot_{placement}": Arm("fusebot", 3, placement) for placement in ("touching", "opposite", "other_pile")},
+    **{f"fusebot_{placement}": Arm("fusebot", 3, placement) for placement in PLACEMENTS},
+    "xray": Arm("xray"),
 }
 TAG_PAIRS: Sequence[tuple[str, str]] = (
     *((f"{way}_{count}", f"{way}_0") for way in ("fusebot", "ours") for count in (3, 6, 9)),
     ("fusebot_touching", "fusebot_other_pile"),
     ("fusebot_opposite", "fusebot_other_pile"),
+    *((f"fusebot_{which}", "xray") for which in (0, 9, *PLACEMENTS)),
+    *((f"ours_{count}", "xray") for count in (0, 9)),
 )
 _NOTE = (
     "As in the study `searches`: hidden targets, executed grasps, masks from depth. Only some items can carry a tag; "

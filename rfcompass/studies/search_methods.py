@@ -19,7 +19,7 @@ from planners.extraction import (
     XRayPolicy,
 )
 from planners.search_beliefs import Belief, OwnTag, PaperBelief, PosteriorBelief, XRayBelief
-from planners.search_method import OVERHEAD, WHOLE_VIEW_M, SearchMethod
+from planners.search_method import OVERHEAD, PEAK, WHOLE_VIEW_M, SearchMethod
 from rfcompass.errors import InputError
 from rfcompass.types import ItemSize
 
@@ -113,7 +113,10 @@ def _xray_views(name: str, *, gate: bool) -> Maker:
 
 def _naive(name: str, *, gate: bool) -> Maker:
     return lambda target, _: SearchMethod(
-        name=name, policy=NaivePolicy(gate=gate, remembers=False), belief=_with_own_tag(PaperBelief(), target)
+        name=name,
+        policy=NaivePolicy(gate=gate, remembers=False),
+        belief=_with_own_tag(PaperBelief(), target),
+        looks=PEAK,
     )
 
 

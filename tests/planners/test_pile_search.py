@@ -10,10 +10,11 @@ from planners import pile_search
 from planners.extraction import ActionCosts, Cluster, LargestMaskPolicy
 from planners.pile_search import PileSearch, PileSearchRules
 from planners.search_beliefs import PaperBelief, PosteriorBelief
-from planners.search_method import CLUSTER, NEAR_M, OVERHEAD, OVERHEAD_M, SearchMethod
+from planners.search_method import CLUSTER, NEAR_M, OVERHEAD, OVERHEAD_M, PEAK, SearchMethod
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, InputError, NothingToGrasp, OutOfReach
 from rfcompass.interfaces import ExtractionPolicy
+from rfcompass.mapping import VisualMap
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import (
     DepthView,
@@ -75,6 +76,7 @@ class ScriptedRobot:
     heard_again: tuple[TagFix, ...] = ()
     asked_tags: list[tuple[TagFix, ...]] = field(default_factory=list)
     heights_m: list[float] = field(default_factory=list)
+    looked_m: list[FloatArray] = field(default_factory=list)
 
     def scan(self) -> PileLook:
         self.scans += 1
@@ -91,6 +93,7 @@ class ScriptedRobot:
         if self.blind:
             raise OutOfReach("the arm cannot look there")
         self.heights_m.append(height_m)
+        self.looked_m.append(np.array(point_m))
         self.asked_tags.append(tuple(tags))
         epcs = [fix.epc for fix in tags]
         heard = tuple(fix for fix in self.heard_later if fix.epc in epcs)
@@ -452,7 +455,7 @@ def test_rules_under_which_no_search_can_begin_are_refused(name: str) -> None:
 
 
 def test_a_method_with_unknown_views_is_refused() -> None:
-    with pytest.raises(InputError, match="cluster, overhead"):
+    with pytest.raises(InputError, match="cluster, peak, overhead"):
         SearchMethod(name="test", policy=Noted(), looks="sideways")
     for threshold in (-0.1, 1.0):
         with pytest.raises(InputError, match="cluster_threshold"):
@@ -515,6 +518,24 @@ def test_an_object_that_the_arm_cannot_reach_does_not_block_one_that_it_can(gate
     assert replace(begun, segmenter=both, quality=both).run().found
     assert len(robot.done) == 1
     assert abs(robot.done[0].T_world_hand[0, 3]) > 0.1
+
+
+class TwoPlaces:
+    """A column that holds most together to the left, the highest voxel to the right."""
+
+    def believe(self, seen: VisualMap, *_: object) -> VoxelGrid:
+        values = np.zeros(seen.uncertainty().values.shape)
+        values[3, 7, :4] = 0.5
+        values[16, 7, 2] = 0.9
+        return replace(seen.uncertainty(), values=values)
+
+
+@pytest.mark.parametrize(("looks", "at_x_m"), [(CLUSTER, -0.13), (PEAK, 0.13)])
+def test_an_image_is_taken_above_what_the_method_looks_at(looks: str, at_x_m: float) -> None:
+    robot = ScriptedRobot([FOUND])
+    assert search(robot, looks=looks, belief=TwoPlaces()).run().found
+    assert robot.heights_m == [NEAR_M]
+    assert robot.looked_m[0][0] == pytest.approx(at_x_m, abs=0.011)
 
 
 def test_what_is_out_of_reach_above_a_cluster_does_not_block_the_rest_of_the_table() -> None:

@@ -9,8 +9,7 @@ from simulation.pile_scenes import tiny
 
 from rfcompass.simulation.piles import TARGET_CLASSES
 from rfcompass.studies import searches
-from rfcompass.studies.search_classes import SEARCH_CLASSES
-from rfcompass.studies.search_figures import BY_LEVEL
+from rfcompass.studies.search_classes import BY_CLASS, SEARCH_CLASSES
 from rfcompass.studies.search_methods import search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
 from rfcompass.types import SearchResult
@@ -32,7 +31,7 @@ def test_each_cell_is_searched_in_piles_of_its_own_class_and_family(cell, monkey
     row = SEARCH_CLASSES.trial(cell, 1, np.random.default_rng(0))
     assert asked == [cell]
     assert set(row) == {metric.name for metric in SEARCH_CLASSES.metrics}
-    assert {row[f"ended_{arm}"] for arm in BY_LEVEL} == {"arm_stopped"}
+    assert {row[f"ended_{arm}"] for arm in BY_CLASS} == {"arm_stopped"}
 
 
 def first_step(target_class):
