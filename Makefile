@@ -32,7 +32,7 @@ bench: $(VENV)/.test  ## our timings beside the peers'
 
 RESULTS := measured-survey measured-proximity measured-target wrong-comparisons tag-polarisation resolution accuracy grasp-trials fetches path-ratio fusebot-localisation pile-tags map-quality searches search-confirm search-levels search-tags search-kernels search-classes
 
-results: $(VENV)/.test  ## the README's tables, in several hours; needs RFCOMPASS_MEASURED_DATA
+results: $(VENV)/.test  ## the README's tables, in many hours; needs RFCOMPASS_MEASURED_DATA
 	rm -rf runs/results && mkdir -p runs/results
 	set -e; export RFCOMPASS_ACCURACY_RUN=runs/results/accuracy RFCOMPASS_PILE_SCENES=runs/piles; for name in $(RESULTS); do \
 	    OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1 $(BIN)/rfcompass study run $$name --workers 2 --out runs/results/$$name; done

@@ -28,7 +28,7 @@ Written by `make results`. Each table says what was simulated and what was measu
 K is the number of tags on the part. `near L`, `far L`: two antenna legs about the part, or along two walls ([Fetching](fetch.md)); the paper's rig: one straight leg, with the
 robot's nine tags as we lay them out (`X4`) or as its text suggests (`L0`). Six robot tags: `skew`, `from the text`, `designed` ([Tag layouts](layout.md)); stops in a sweep, at
 random, or where they tell most (`active`). In sight, hidden: whether something stands before the part. D1 to D4: rows of tags of AdaRF, UAB: one tag and two antennas.
-Piles: `covered_3p25` is three piles of 25 things with covers let go over the target, `poured` aims at nothing ([Piles](piles.md)).
+Piles: `covered_3p25` is 25 things in three piles with covers let go over the target, `poured` aims at nothing ([Piles](piles.md)).
 """
 
 
@@ -423,20 +423,20 @@ def headlines(runs):
         ["tag from the wrist, 200 MHz, two heights, in sight, median / 90 %",
          f"{both(wrist, 'in sight', 200.0, 'two', 'nearest_m')} cm", "3.6 / 6 cm, measured, hidden ones too", "simulated",
          "`fusebot-localisation`"],
-        ["tag in a pile, from the arm, three piles of 25, median / 90 %",
+        ["tag in a pile, from the arm, 25 things in three piles, median / 90 %",
          f"{both(piles, 'covered_3p25', 'two', 'nearest_m')} cm", "3.6 / 6 cm, measured", "simulated", "`pile-tags`"],
-        ["bits to the hidden target, three piles: cameras alone; the paper's map, 8 exact tags; posterior; the same with 8 tags",
+        ["bits still needed to say where the hidden target is, mean, three piles: cameras alone; the paper's map, 8 exact tags; posterior; the same with 8 tags",
          " / ".join(maps.own("covered_3p25", f"bits_{name}", "mean")
                     for name in ("c", "map_consistent_8_exact", "posterior_0", "posterior_8_exact")), "–", "simulated",
          "`map-quality`"],
-        ["searches that find the hidden thing; mean actions, 16 where not: FuseBot, 8 tags; X-Ray; ours, 8 tags",
+        ["searches that find the hidden thing; mean actions, 16 where not: FuseBot, 8 tags; literal X-Ray; ours, 8 tags",
          searched(Results(runs, "searches")), "95 / 84 %, measured; means not printed", "simulated", "`searches`"],
         ["the same, 402 other piles: FuseBot, 8 tags; the stronger X-Ray; ours, 8 tags",
          searched(Results(runs, "search-confirm"), ("fusebot_8", "xray_views", "ours_8")), "means not printed", "simulated",
          "`search-confirm`"],
-        ["the same in two or three piles of 20 to 42 things", searched(Results(runs, "search-levels")),
+        ["20 to 42 things in two or three piles: FuseBot, 8 tags; literal X-Ray; ours, 8 tags", searched(Results(runs, "search-levels")),
          "means not printed", "simulated", "`search-levels`"],
-        ["the same, three piles of 25: FuseBot, 0 / 9 tags on other things; ours, 0 / 9",
+        ["25 things in three piles: FuseBot, 0 / 9 tags on other things; ours, 0 / 9",
          searched(Results(runs, "search-tags"), ("fusebot_0", "fusebot_9", "ours_0", "ours_9")),
          "medians 4 / 2 actions, measured", "simulated", "`search-tags`"],
         ["tag from a rail of 1 m, in the plane, D1test / D2 / D4",
@@ -448,7 +448,7 @@ def headlines(runs):
          " / ".join(target.own(f, 16, "posterior", "error_m", "median") for f in ("D1test", "D2", "D4")) + " cm",
          "–", "measured", "`measured-target`"],
     ]  # fmt: skip
-    return table(("question, median", "ours", "paper", "our data", "study"), *lines)
+    return table(("question; medians unless said", "here", "paper", "data", "study"), *lines)
 
 
 def write_grasp_trials(runs):

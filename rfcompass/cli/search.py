@@ -51,7 +51,7 @@ def search_command(
     """Search a simulated pile for a red thing: scan, map, take off what lies over it; leaves a folder with the film."""
     import webbrowser
 
-    from rfcompass.recordings.search_folder import FILM_FILE, check_search_target, write_search
+    from rfcompass.recordings.search_folder import FILM_FILE, REPORT_FILE, check_search_target, write_search
     from rfcompass.simulation.piles import make_pile
     from rfcompass.studies.search_methods import check_search_method, search_method
     from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
@@ -63,6 +63,7 @@ def search_command(
         asked = {"command": "search", "policy": policy, "piles": piles, "items": items, "tagged": tagged,
                  "tag_target": tag_target, "seed": seed, "way": way.value, "target": target.value, "absent": absent,
                  "true_masks": true_masks}  # fmt: skip
+        messages().print("making the pile", markup=False)
         scene = make_pile(_family(way.value, piles, items), seed, target.value)
         tags = tagged_items_of(scene, "target" if tag_target else "any", tagged, seed)
         asked["tags_dealt"] = carry = sum(tag.number != scene.target for tag in tags.tags)
@@ -73,8 +74,9 @@ def search_command(
         run = SearchRun.of(replace(task, segmenter=None) if true_masks else task, method)
         result = run.run(_told)
         write_search(as_folder(run, result, asked), folder, overwrite=overwrite)
-        film = folder / FILM_FILE
-        messages().print(f"{_ending(result)}; {result.elapsed_s:.0f} s of the arm; look at {film}", markup=False)
+        film, report = folder / FILM_FILE, folder / REPORT_FILE
+        ending = f"{_ending(result)}; {result.elapsed_s:.0f} s of the arm"
+        messages().print(f"{ending}; look at {film} and {report}", markup=False)
         if show:
             webbrowser.open(film.resolve().as_uri())
         if as_json:
