@@ -8,8 +8,9 @@ from scipy import ndimage
 
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ShapeError
-from rfcompass.mapping.camera import points_image
+from rfcompass.mapping.camera import check_from_above, points_image
 from rfcompass.types import DepthView, GraspMaps
+from rfcompass.types.counts import check_count
 
 # Of the published code of [Morrison2018]: edge of the images it was trained on, and the unit of its widths.
 _GGCNN_PX, _GGCNN_WIDTH_PX = 300, 150.0
@@ -45,7 +46,11 @@ def ggcnn_network(
     Args:
         forward: Takes such an image, shape (size_px, size_px); gives quality, cos(2φ), sin(2φ) and width, same shape.
         size_px: Edge of the image that the network takes.
+
+    Raises:
+        InputError: If the edge is no whole number from 1 on.
     """
+    check_count(size_px, "ggcnn_network.size_px", 1)
 
     def network(depth_m: FloatArray) -> Images:
         rows, columns = depth_m.shape
@@ -106,7 +111,9 @@ class NetworkGraspQuality:
         Raises:
             ShapeError: If it does not answer with three images of the view's shape, or with something that is not
                 finite, or with a quality beyond [0, 1] or a width below 0.
+            InputError: If the camera does not look down on the table, or its depths are in millimetres.
         """
+        check_from_above(view, self.table_m)
         shape = view.depth_m.shape
         quality, angle, width = self._asked(view.depth_m.copy(), shape)
         depth_m, K = view.depth_m, view.intrinsics

@@ -12,10 +12,11 @@ from planners.grasp_map_kernels import Found, Tries, rate_pixels
 from planners.grasp_number_kernels import CLOSING, PINCHING, REACH_M, Claw, Grid
 from planners.grasp_success import CLOSING_WEIGHTS, PINCHING_WEIGHTS, success_of
 from planners.height_map import height_map
-from rfcompass.arrays import BoolArray, FloatArray, IntArray
+from rfcompass.arrays import BoolArray, FloatArray, IntArray, read_only
 from rfcompass.errors import InputError, ShapeError
-from rfcompass.mapping.camera import points_image
+from rfcompass.mapping.camera import check_from_above, points_image
 from rfcompass.types import DepthView, GraspMaps
+from rfcompass.types.counts import check_count
 from rfcompass.types.record import Record
 
 
@@ -66,7 +67,8 @@ def grasp_quality(depth_m: FloatArray, intrinsics: FloatArray, T_world_camera: F
         Quality, angle, width and depth of the best grasp at each pixel.
 
     Raises:
-        ShapeError: If a shape is wrong, or a depth not positive.
+        ShapeError: If a shape is wrong, a depth not positive, or the intrinsics are those of another image size.
+        InputError: If the camera does not look down on the table, or the depths are in millimetres.
     """
     return AntipodalQuality().quality(DepthView(depth_m, intrinsics, T_world_camera))
 
@@ -108,8 +110,8 @@ class AntipodalQuality:
         pinching: Weights of the numbers of a pinch, the constant last, shape (7,).
 
     Raises:
-        InputError: If there is no angle or depth to try, or no friction.
-        ShapeError: If there are more or fewer weights than numbers.
+        InputError: If there is no angle or depth to try, or no friction, or a number is none or not finite.
+        ShapeError: If there are more or fewer weights than numbers, or one is not finite.
     """
 
     jaws: JawSizes = field(default_factory=JawSizes)
@@ -124,15 +126,20 @@ class AntipodalQuality:
 
     def __post_init__(self) -> None:
         """Check that each number has a weight, and that there is something to try."""
-        if self.angles < 1 or not self.depths_m or not self.friction > 0 or not self.cell_m > 0:
-            message = "AntipodalQuality: without an angle, a depth, friction or an edge of cells there is no grasp"
-            raise InputError(message, got=[self.angles, list(self.depths_m), self.friction, self.cell_m])
+        check_count(self.angles, "AntipodalQuality.angles", 1)
+        for name in ("table_m", "standing_m", "friction", "cell_m"):
+            if not np.isfinite(value := getattr(self, name)):
+                raise InputError(f"AntipodalQuality.{name}: {value!r} is not finite", name=name, got=value)
+        if not (self.depths_m and self.friction > 0 and self.cell_m > 0):
+            message = "AntipodalQuality: without a depth, friction or an edge of cells there is no grasp"
+            raise InputError(message, got=[list(self.depths_m), self.friction, self.cell_m])
         if not all(np.isfinite(depth_m) and depth_m > 0 for depth_m in self.depths_m):
             raise InputError(f"AntipodalQuality.depths_m: {self.depths_m} are no lengths", got=list(self.depths_m))
         for name, numbers in (("closing", CLOSING), ("pinching", PINCHING)):
             if len(weights := getattr(self, name)) != len(numbers) + 1:
                 message = f"AntipodalQuality.{name}: {len(weights)} weights, expected {len(numbers)} and the constant"
                 raise ShapeError(message, name=name, expected=len(numbers) + 1, got=len(weights))
+            read_only(weights, f"AntipodalQuality.{name}", (None,))
 
     def quality(self, view: DepthView) -> GraspMaps:
         """Say how likely the best grasp at each pixel holds, and how the jaws would stand."""
@@ -148,10 +155,18 @@ class AntipodalQuality:
             view: A depth image.
             pixels: Where to look, shape (H, W); everywhere above the table if None.
             angles_rad: Directions to try [rad], shape (A,); `angles` even ones over half a turn if None.
+
+        Raises:
+            InputError: If the camera does not look down on the table, if its depths are in millimetres, if there are
+                too many cells, or no direction to try.
+            ShapeError: If pixels or directions have another shape, or a direction is not finite.
         """
+        check_from_above(view, self.table_m)
         shape, points_m = view.depth_m.shape, points_image(view)
         with np.errstate(invalid="ignore"):
             standing = points_m[..., 2] > self.table_m + self.standing_m
+        wanted = standing if pixels is None else standing & read_only(pixels, "pixels", shape, np.bool_)
+        angles = self._directions_rad(angles_rad)
         found = Found(
             np.full(shape, -np.inf),
             np.zeros(shape),
@@ -162,7 +177,6 @@ class AntipodalQuality:
         )
         heights = height_map(view, standing, self.cell_m)
         if heights is not None:
-            angles = np.arange(self.angles) * np.pi / self.angles if angles_rad is None else np.asarray(angles_rad)
             tries = Tries(angles, np.sort(self.depths_m), np.array(self.closing), np.array(self.pinching))
             grid = Grid(
                 heights.heights_m,
@@ -171,8 +185,17 @@ class AntipodalQuality:
                 float(heights.corner_m[1]),
                 1 / heights.cell_m,
             )
-            rate_pixels(points_m, standing if pixels is None else standing & pixels, grid, self._claw(), tries, found)
+            rate_pixels(points_m, wanted, grid, self._claw(), tries, found)
         return GraspEvidence(*found)
+
+    def _directions_rad(self, asked_rad: FloatArray | None) -> FloatArray:
+        """Directions to try [rad], shape (A,)."""
+        if asked_rad is None:
+            return np.arange(self.angles) * np.pi / self.angles
+        angles_rad = read_only(asked_rad, "angles_rad", (None,))
+        if not angles_rad.size:
+            raise InputError("angles_rad: without a direction there is no grasp", got=0)
+        return angles_rad.copy()  # writable, as the kernel is compiled for
 
     def _claw(self) -> Claw:
         jaws = self.jaws

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 
 from rfcompass.arrays import BoolArray, FloatArray, read_only
-from rfcompass.errors import ShapeError
+from rfcompass.errors import InputError, ShapeError
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView
 from rfcompass.types.record import Record
@@ -14,6 +14,7 @@ from rfcompass.types.record import Record
 # Ours. A pixel covers this much more than its own square, so that rounding leaves no seams; how far a cell looks for
 # neighbours that were seen, and how many it needs; what the map reaches beyond the points that stand on the table [m].
 _SEAM, _REACH_M, _NEIGHBOURS, _MARGIN_M = 1.1, 0.06, 2, 0.08
+_MOST_CELLS = 25_000_000  # ours: such a map takes 0.4 GB
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +60,21 @@ def height_map(view: DepthView, standing: BoolArray, cell_m: float = 0.0025) -> 
 
     Returns:
         The map of 8 cm about them; None if there are none.
+
+    Raises:
+        InputError: If there would be too many cells.
     """
     points_m = points_image(view)
     if not standing.any():
         return None
     low_m = points_m[standing, :2].min(axis=0) - _MARGIN_M
     high_m = points_m[standing, :2].max(axis=0) + _MARGIN_M
-    shape = np.ceil((high_m - low_m) / cell_m).astype(int) + 1
-    raw_m = np.full(shape, -np.inf)
+    counts = np.ceil((high_m - low_m) / cell_m) + 1
+    if (cells := float(counts.prod())) > _MOST_CELLS:
+        across_m = (high_m - low_m).round(2).tolist()
+        message = f"a height map of {across_m} m in cells of {cell_m} m has {cells:.3g}; more than {_MOST_CELLS:.3g}"
+        raise InputError(f"{message} are refused", cells=cells, most=_MOST_CELLS, cell_m=cell_m)
+    raw_m = np.full(counts.astype(int), -np.inf)
     K = view.intrinsics
     half = _SEAM * 0.5 / min(K[0, 0], K[1, 1])
     _raise_cells(raw_m, points_m, view.depth_m * half, low_m, cell_m)

@@ -14,6 +14,8 @@ from rfcompass.types.workspace import Workspace
 # Ours. A depth camera measures nothing nearer than its least range (a D415's is about 0.3 m at full size): if half of
 # what it reports is nearer than this, something stands before it, or it is inside something.
 NEAREST_M = 0.10
+# Ours: where nothing is nearer than this, and all of it is as far under the table, depths are in another unit [m].
+_FAR_M = 5.0
 _TRIFLE = 1e-4  # of a voxel
 
 
@@ -67,15 +69,45 @@ def check_view(view: DepthView, workspace: Workspace, nearest_m: float = NEAREST
     """Check that a camera can have seen the table.
 
     Raises:
-        InputError: If the camera stands below the table top.
+        InputError: If the camera stands below the table top, or all that it sees lies far below it.
         CameraBlocked: If it sees nothing, or if half of what it sees is nearer than `nearest_m`.
     """
-    height_m = float(view.T_world_camera[2, 3]) - workspace.table_m
-    if height_m <= 0:
-        raise InputError(f"the camera stands {-height_m:.3f} m below the table top", height_m=height_m)
+    _check_over_table(view, workspace.table_m)
     depth_m = view.depth_m[np.isfinite(view.depth_m)]
     if not depth_m.size:
         raise CameraBlocked(f"none of the {view.depth_m.size} pixels has a depth", seen=0, median_m=None)
     if (median_m := float(np.median(depth_m))) < nearest_m:
         message = f"half of the pixels are nearer than {median_m:.3f} m: something stands before the camera"
         raise CameraBlocked(message, seen=int(depth_m.size), median_m=median_m, nearest_m=nearest_m)
+
+
+def check_from_above(view: DepthView, table_m: float) -> None:
+    """Check that a camera looks down on the table, as whoever grasps from straight above has to.
+
+    Args:
+        view: A depth image.
+        table_m: Height of the table in the world [m].
+
+    Raises:
+        InputError: If the camera does not look down, stands below the table top, or all that it sees lies far below it.
+    """
+    down = -float(view.T_world_camera[2, 2])
+    if down <= 0:
+        rises = np.rad2deg(np.arcsin(min(-down, 1.0)))
+        message = f"the camera does not look down, its axis rises by {rises:.0f} degrees: grasps come from above"
+        raise InputError(message, down=down)
+    _check_over_table(view, table_m)
+
+
+def _check_over_table(view: DepthView, table_m: float) -> None:
+    """Check that a camera stands over the table, and that its depths can be in metres."""
+    height_m = float(view.T_world_camera[2, 3]) - table_m
+    if height_m <= 0:
+        raise InputError(f"the camera stands {-height_m:.3f} m below the table top", height_m=height_m)
+    if np.nanmin(view.depth_m, initial=np.inf) < _FAR_M or np.isnan(view.depth_m).all():
+        return
+    below_m = table_m - float(np.nanmax(points_image(view)[..., 2]))
+    if below_m > _FAR_M:
+        median_m = float(np.nanmedian(view.depth_m))
+        message = f"a depth of {median_m:.3g} m, and nothing less than {below_m:.3g} m below the table: millimetres?"
+        raise InputError(message, median_m=median_m, below_m=below_m)

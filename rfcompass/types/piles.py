@@ -16,7 +16,8 @@ class DepthView(Record):
 
     Attributes:
         depth_m: Distance along the optical axis [m], NaN where the camera saw nothing, shape (H, W).
-        intrinsics: Pinhole matrix [pixel], shape (3, 3).
+        intrinsics: Pinhole matrix of this image [pixel], shape (3, 3). Its principal point lies in the image: that
+            tells a matrix made for another image size. What is cut out beside it needs NaN around it.
         T_world_camera: Camera pose, x right, y down, z forward, homogeneous, shape (4, 4).
         colour: Red, green, blue, 0..255, shape (H, W, 3); None for a camera without colour.
     """
@@ -27,7 +28,7 @@ class DepthView(Record):
     colour: IntArray | None = None
 
     def __post_init__(self) -> None:
-        """Freeze the arrays; check focal lengths and depths."""
+        """Freeze the arrays; check that there are pixels, and that the matrix, the pose and the depths can be."""
         set_ = object.__setattr__
         set_(self, "depth_m", read_only(self.depth_m, "DepthView.depth_m", (None, None), finite=False))
         set_(self, "intrinsics", read_only(self.intrinsics, "DepthView.intrinsics", (3, 3)))
@@ -38,9 +39,24 @@ class DepthView(Record):
             raise ShapeError("DepthView.intrinsics: focal lengths must be positive", name="intrinsics")
         if self.intrinsics[2].tolist() != [0, 0, 1]:
             raise ShapeError("DepthView.intrinsics: the last row must be 0, 0, 1", name="intrinsics")
+        _check_size(self.depth_m.shape, self.intrinsics)
         _check_rigid(self.T_world_camera)
         if np.isinf(self.depth_m).any() or (self.depth_m <= 0).any():
             raise ShapeError("DepthView.depth_m: must be positive, or NaN where nothing was seen", name="depth_m")
+
+
+def _check_size(shape: tuple[int, ...], intrinsics: FloatArray) -> None:
+    rows, columns = shape
+    if not (rows and columns):
+        raise ShapeError(f"DepthView.depth_m: an image of {shape} has no pixel", name="depth_m", got=shape)
+    u, v = float(intrinsics[0, 2]), float(intrinsics[1, 2])
+    # Half a pixel more to the right, so that it holds as well for every other pixel of an image.
+    if not (-0.5 <= u <= columns and -0.5 <= v <= rows):
+        message = (
+            f"DepthView.intrinsics: the principal point ({u:g}, {v:g}) lies outside the image of "
+            f"{columns} x {rows} pixels: a matrix for another image size?"
+        )
+        raise ShapeError(message, name="intrinsics", got=(u, v), expected=(columns, rows))
 
 
 def _check_rigid(T_world_camera: FloatArray) -> None:
@@ -87,11 +103,13 @@ class VoxelGrid(Record):
     values: FloatArray
 
     def __post_init__(self) -> None:
-        """Freeze the arrays and check the spacing."""
+        """Freeze the arrays; check the spacing, and that there are voxels."""
         object.__setattr__(self, "origin_m", read_only(self.origin_m, "VoxelGrid.origin_m", (3,)))
         object.__setattr__(self, "values", read_only(self.values, "VoxelGrid.values", (None, None, None)))
         if not self.spacing_m > 0:
             raise ShapeError(f"VoxelGrid.spacing_m: {self.spacing_m} is not positive", name="spacing_m")
+        if not self.values.size:
+            raise ShapeError(f"VoxelGrid.values: {self.values.shape} holds no voxel", name="values")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from box_scenes import Block, looking_down, see
 
 from planners.grasp_network import NetworkGraspQuality
 from planners.grasp_quality import AntipodalQuality
+from rfcompass.errors import InputError
 from rfcompass.interfaces import GraspQuality
 
 APART = [Block((-0.1, 0.0, 0.03), (0.09, 0.05, 0.06), 0.3), Block((0.1, 0.05, 0.04), (0.06, 0.06, 0.08), -0.4)]
@@ -56,3 +57,22 @@ def test_equal_views_give_equal_bits(quality):
     view, _ = see(APART, looking_down(height_m=0.7))
     first, second = quality.quality(view), quality.quality(view)
     assert all(np.array_equal(getattr(first, name), getattr(second, name)) for name in first.__slots__)
+
+
+@named
+def test_a_camera_that_looks_up_sees_no_grasp_from_above(quality):
+    view, _ = see(APART, looking_down(height_m=0.7))
+    up = view.T_world_camera @ np.diag([1.0, -1.0, -1.0, 1.0])
+    with pytest.raises(InputError, match="rises by 90 degrees"):
+        quality.quality(dataclasses.replace(view, T_world_camera=up))
+    with pytest.raises(InputError, match="below the table"):
+        dataclasses.replace(quality, table_m=0.75).quality(view)
+
+
+@named
+@pytest.mark.parametrize("dtype", [np.float64, np.uint16])
+def test_depths_in_millimetres_are_refused(quality, dtype):
+    view, _ = see(APART, looking_down(height_m=0.7))
+    with pytest.raises(InputError, match="millimetres") as refusal:
+        quality.quality(dataclasses.replace(view, depth_m=(1000 * view.depth_m).astype(dtype)))
+    assert refusal.value.numbers["median_m"] == pytest.approx(700.0)

@@ -216,6 +216,27 @@ def test_a_camera_that_cannot_be_is_refused():
         DepthView(depth_m, K * 2, T)
     with pytest.raises(ShapeError, match="rigid"):
         DepthView(depth_m, K, T * 1.1)
+    with pytest.raises(ShapeError, match="no pixel"):
+        DepthView(np.ones((0, 5)), K, T)
+
+
+@pytest.mark.parametrize("middle", [(319.5, 239.5), (80.0, -1.0), (161.0, 60.0)])
+def test_intrinsics_of_another_image_size_are_refused(middle):
+    K = intrinsics(160, 120)
+    DepthView(np.ones((120, 160)), K, looking_down())
+    K[:2, 2] = middle
+    with pytest.raises(ShapeError, match="another image size"):
+        DepthView(np.ones((120, 160)), K, looking_down())
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.uint16])
+def test_depths_in_millimetres_are_no_map(dtype):
+    view = see([], looking_down())[0]
+    with pytest.raises(InputError, match="millimetres") as refusal:
+        map_views(TABLE, [dataclasses.replace(view, depth_m=(1000 * view.depth_m).astype(dtype))])
+    assert refusal.value.numbers["median_m"] == pytest.approx(750.0)
+    floor = see([], looking_down(height_m=2.0), table_m=-2.0)[0]
+    assert map_views(TABLE, [floor]).covered.any()  # a camera that looks past the table, onto the floor
 
 
 def test_a_camera_inside_an_item_is_told_so():

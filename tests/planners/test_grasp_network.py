@@ -6,7 +6,7 @@ from standing_boxes import Upright, look, pixel_of
 
 from planners.grasp_at_pixel import grasp_at_pixel
 from planners.grasp_network import NetworkGraspQuality, ggcnn_answer, ggcnn_network
-from rfcompass.errors import ShapeError
+from rfcompass.errors import InputError, ShapeError
 from rfcompass.interfaces import GraspQuality
 
 BOX = Upright(0.02, 0.01, 0.0, 0.07, 0.04, 0.05)
@@ -131,3 +131,9 @@ def test_a_view_without_any_depth_has_no_grasp_for_it_either():
 def test_four_images_of_the_networks_size_are_asked_for():
     with pytest.raises(ShapeError, match="four of"):
         ggcnn_network(lambda image: [image[1:]] * 4)(np.full((90, 160), 0.6))
+
+
+@pytest.mark.parametrize("size_px", [0, -3, 2.5, True, None])
+def test_a_network_of_no_size_is_refused_where_it_is_made(size_px):
+    with pytest.raises(InputError, match="size_px"):
+        ggcnn_network(OnlySquares(300), size_px)

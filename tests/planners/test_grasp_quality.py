@@ -207,9 +207,46 @@ def test_tips_that_must_stay_high_leave_low_things_alone():
     assert not low.quality.any()
 
 
+WEIGHTS = (np.nan, *QUALITY.closing[1:])
+
+
 @pytest.mark.parametrize(
-    "wrong", [{"angles": 0}, {"angles": -3}, {"depths_m": ()}, {"depths_m": (0.01, -0.02)}, {"friction": -1.0}]
-)
+    "wrong",
+    [
+        {"angles": 0}, {"angles": -3}, {"angles": 2.5}, {"depths_m": ()}, {"depths_m": (0.01, -0.02)},
+        {"friction": -1.0}, {"friction": np.inf}, {"friction": np.nan}, {"table_m": np.nan}, {"standing_m": np.nan},
+        {"cell_m": 0.0}, {"cell_m": np.inf}, {"closing": WEIGHTS}, {"pinching": (*QUALITY.pinching[1:], np.inf)},
+    ],
+)  # fmt: skip
 def test_numbers_with_which_nothing_can_be_tried_are_refused(wrong):
     with pytest.raises(InputError):
         AntipodalQuality(**wrong)
+
+
+VIEW = look(Upright())
+
+
+@pytest.mark.parametrize("angles_rad", [[np.nan], [[0.0, 0.5]], 0.3, []])
+def test_directions_that_are_none_are_refused(angles_rad):
+    with pytest.raises(InputError, match="angles_rad"):
+        QUALITY.evidence(VIEW, angles_rad=angles_rad)
+
+
+@pytest.mark.parametrize("pixels", [np.ones((3, 160), bool), np.ones(160, bool), np.ones((90, 160))])
+def test_pixels_of_another_image_are_refused(pixels):
+    with pytest.raises(ShapeError, match="pixels"):
+        QUALITY.evidence(VIEW, pixels)
+
+
+def test_cells_that_no_memory_holds_are_refused():
+    with pytest.raises(InputError, match=r"1e-06 m has") as refusal:
+        AntipodalQuality(cell_m=1e-6).quality(VIEW)
+    assert refusal.value.numbers["cells"] > refusal.value.numbers["most"]
+
+
+def test_the_matrix_of_another_camera_is_refused():
+    K = VIEW.intrinsics * [[4.0], [4.0], [1.0]]
+    with pytest.raises(ShapeError, match="another image size"):
+        grasp_quality(VIEW.depth_m, K, VIEW.T_world_camera)
+    with pytest.raises(ShapeError, match="no pixel"):
+        grasp_quality(np.ones((0, 160)), VIEW.intrinsics, VIEW.T_world_camera)

@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from box_scenes import Block
+from box_scenes import Block, intrinsics, looking_down
 from extraction_scenes import grasps_of, question
 
 from planners.extraction import FuseBotPolicy, LargestMaskPolicy, MapMassPolicy, NaivePolicy, XRayPolicy
+from planners.extraction.xray_policy import every_pixel
 from rfcompass.errors import InputError
 from rfcompass.mapping.camera import points_image
+from rfcompass.types import DepthView
 
 # Under the flat wide one nothing of the target's size fits; under the high one it does.
 FLAT, HIGH = Block((-0.12, 0.0, 0.005), (0.20, 0.16, 0.01)), Block((0.12, 0.0, 0.06), (0.12, 0.10, 0.12))
@@ -66,3 +68,11 @@ def test_x_ray_with_the_gate_leaves_what_can_hardly_be_grasped():
 def test_a_discount_that_is_none_is_refused_where_it_is_given(gamma):
     with pytest.raises(InputError, match="gamma"):
         FuseBotPolicy(gamma=gamma)
+
+
+@pytest.mark.parametrize("middle", [(-0.5, -0.5), (4.0, 3.0), (0.0, 0.0)])
+def test_every_other_pixel_of_an_image_is_an_image(middle):
+    K = intrinsics(4, 3)
+    K[:2, 2] = middle
+    half = every_pixel(DepthView(np.ones((3, 4)), K, looking_down()), 2)
+    assert half.depth_m.shape == (2, 2)
