@@ -7,6 +7,7 @@ import numpy as np
 
 from planners.extraction.mask_policy import MaskPolicy, Scene
 from rfcompass.arrays import FloatArray
+from rfcompass.types.counts import check_count
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,6 +22,11 @@ class RandomPolicy(MaskPolicy):
     """
 
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Check τ and the seed."""
+        MaskPolicy.__post_init__(self)
+        check_count(self.seed, "RandomPolicy.seed")
 
     def values(self, scene: Scene) -> FloatArray:
         """A number in (0, 1] for each candidate, shape (K,)."""

@@ -8,7 +8,7 @@ import numpy as np
 from planners.extraction.projection import check_same_image
 from planners.grasp_at_pixel import middle_pixel
 from rfcompass.arrays import BoolArray, FloatArray, IntArray, read_only
-from rfcompass.errors import NothingToGrasp
+from rfcompass.errors import NothingToGrasp, ShapeError
 from rfcompass.types import DepthView, GraspMaps, InstanceMasks
 from rfcompass.types.record import Record
 
@@ -60,7 +60,7 @@ def find_candidates(
 
     Raises:
         NothingToGrasp: If no object has a pixel with a depth.
-        ShapeError: If the images differ in size.
+        ShapeError: If the images differ in size, or a place of a failed grasp is none.
     """
     check_same_image(view, masks.labels, "masks")
     check_same_image(view, grasps.quality, "grasps")
@@ -84,7 +84,10 @@ def tried_before(points_m: FloatArray, masks: InstanceMasks, failed_m: Sequence[
     Args:
         points_m: Point of the world that each pixel shows [m], shape (H, W, 3).
         masks: Objects; a failure counts for the nearest one within 3 cm.
-        failed_m: Where grasps have failed, in the world [m], shape (3,) each.
+        failed_m: Where grasps have failed, in the world [m], shape (3,) each; infinite where that counts no more.
+
+    Raises:
+        ShapeError: If a place is none.
     """
     tried = np.ones(points_m.shape[:2])
     for point_m in failed_m:
@@ -95,6 +98,18 @@ def tried_before(points_m: FloatArray, masks: InstanceMasks, failed_m: Sequence[
     return tried
 
 
+def failed_place(point_m: FloatArray) -> FloatArray:
+    """Where a grasp has failed [m], shape (3,); infinite where that counts no more.
+
+    Raises:
+        ShapeError: If it is not three numbers.
+    """
+    place_m = read_only(point_m, "failed_m", (3,), finite=False)
+    if np.isnan(place_m).any():
+        raise ShapeError(f"failed_m: {place_m.tolist()} is no place", name="failed_m", got=place_m.tolist())
+    return place_m
+
+
 def failed_object(points_m: FloatArray, masks: InstanceMasks, point_m: FloatArray) -> int:
     """Label of the object for which a failed grasp counts, 0 for none; arguments as for `tried_before`."""
     off_m = _off_m(points_m, masks, point_m)
@@ -103,7 +118,8 @@ def failed_object(points_m: FloatArray, masks: InstanceMasks, point_m: FloatArra
 
 def _off_m(points_m: FloatArray, masks: InstanceMasks, point_m: FloatArray) -> FloatArray:
     """Level distance of each pixel of an object from a place [m], infinite elsewhere, shape (H, W)."""
-    off_m = np.hypot(points_m[..., 0] - point_m[0], points_m[..., 1] - point_m[1])
+    x_m, y_m, _ = failed_place(point_m)
+    off_m = np.hypot(points_m[..., 0] - x_m, points_m[..., 1] - y_m)
     return np.where((masks.labels == 0) | np.isnan(off_m), np.inf, off_m)
 
 

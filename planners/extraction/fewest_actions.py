@@ -26,6 +26,7 @@ from planners.extraction.uncovering import mass_by_depth
 from rfcompass.arrays import FloatArray, read_only
 from rfcompass.errors import InputError, ShapeError
 from rfcompass.types import VoxelGrid
+from rfcompass.types.counts import check_count
 from rfcompass.types.record import Record
 
 
@@ -52,13 +53,15 @@ class ActionCosts(Record):
 
     def __post_init__(self) -> None:
         """Check the ranges; a probability of 0 would cost infinitely much."""
+        check_count(self.failures, "ActionCosts.failures", 1)
         object.__setattr__(self, "success", tuple((float(q), float(p)) for q, p in self.success))
         qualities, chances = np.array(self.success).reshape(-1, 2).T
-        rising = len(qualities) > 0 and (np.diff(qualities) > 0).all()
+        rising = len(qualities) > 0 and np.isfinite(qualities).all() and (np.diff(qualities) > 0).all()
         if not (rising and (chances > 0).all() and (chances <= 1).all() and 0 < self.usual <= 1):
             raise InputError(f"{self}: no curve of probabilities above 0", got=self.success)
-        if not (self.failures >= 1 and self.lost >= 0 and self.travel_per_m >= 0 and self.area_m2 > 0):
-            raise InputError(f"{self}: out of range", got=[self.failures, self.lost, self.travel_per_m, self.area_m2])
+        numbers = [self.lost, self.travel_per_m, self.area_m2]
+        if not (np.isfinite(numbers).all() and self.lost >= 0 and self.travel_per_m >= 0 and self.area_m2 > 0):
+            raise InputError(f"{self}: out of range", got=numbers)
 
     def chances(self, quality: FloatArray) -> FloatArray:
         """Probability of success at each quality, shape (K,)."""
@@ -103,9 +106,10 @@ class FewestActionsPolicy(MaskPolicy):
         object.__setattr__(self, "target_m", target_m)
         if not (target_m > 0).all():
             raise ShapeError(f"FewestActionsPolicy.target_m: {target_m.tolist()} m are no lengths", name="target_m")
-        if self.removals < 1 or not (0 < self.enough <= 1 and self.trust > 0):
-            given = [self.removals, self.enough, self.trust]
-            raise InputError(f"FewestActionsPolicy: removals, enough and trust {given} are out of range", got=given)
+        check_count(self.removals, "FewestActionsPolicy.removals", 1)
+        if not (0 < self.enough <= 1 and 0 < self.trust < np.inf):
+            given = [self.enough, self.trust]
+            raise InputError(f"FewestActionsPolicy: enough and trust {given} are out of range", got=given)
 
     def judged(self, scene: Scene) -> FloatArray:
         """Value of each candidate after the gate, shape (K,); its chance of success already knows what failed."""

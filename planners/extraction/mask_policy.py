@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planners.extraction.candidates import Candidates, find_candidates, pixels_of
+from planners.extraction.candidates import Candidates, failed_place, find_candidates, pixels_of
+from planners.extraction.projection import check_same_place
 from planners.extraction.scores import TAU, gated_literally, passes
 from planners.grasp_at_pixel import grasp_across, grasp_at_pixel
 from rfcompass.arrays import FloatArray
@@ -111,9 +112,16 @@ def scene_of(
     *,
     remembers: bool = True,
 ) -> Scene:
-    """Find what can be grasped; arguments and errors as for `find_candidates`; `remembers`: whether failures count."""
-    points_m = points_image(view)
+    """Find what can be grasped; arguments as for `find_candidates`; `remembers`: whether failures count.
+
+    Raises:
+        InputError: If the view shows nothing of what the map is of: the two are in different frames.
+        NothingToGrasp: As `find_candidates` does.
+        ShapeError: Likewise.
+    """
+    points_m, failed_m = points_image(view), [failed_place(point_m) for point_m in failed_m]
     candidates = find_candidates(view, masks, grasps, points_m, failed_m if remembers else ())
+    check_same_place(grid, points_m)
     return Scene(grid, view, masks, grasps, points_m, candidates, len(failed_m))
 
 

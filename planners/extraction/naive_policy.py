@@ -52,8 +52,8 @@ class NaivePolicy(Record):
         failed_m: Sequence[FloatArray] = (),
     ) -> ExtractionAction:
         """Choose one removal; see `rfcompass.interfaces.ExtractionPolicy`."""
+        scene = scene_of(grid, view, masks, grasps, failed_m, remembers=self.remembers)
         failed_m = failed_m if self.remembers else ()
-        scene = scene_of(grid, view, masks, grasps, failed_m)
         off_m = _distance_to_peak_m(scene)
         quality = np.where(np.isfinite(off_m), grasps.quality * tried_before(scene.points_m, masks, failed_m), 0.0)
         least = self.tau if self.gate and (quality > self.tau).any() else 0.0

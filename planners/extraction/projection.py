@@ -6,10 +6,12 @@ import numba
 import numpy as np
 
 from rfcompass.arrays import FloatArray, IntArray, read_only
-from rfcompass.errors import ShapeError
+from rfcompass.errors import InputError, ShapeError
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, InstanceMasks, VoxelGrid
 from rfcompass.types.record import Record
+
+_APART_M = 1.0  # ours: what a view shows so far above or under a map is not what the map is of
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +73,41 @@ def check_same_image(view: DepthView, image: IntArray | FloatArray, name: str) -
     if image.shape != view.depth_m.shape:
         message = f"{name}: have shape {image.shape}, the view {view.depth_m.shape}"
         raise ShapeError(message, name=name, expected=view.depth_m.shape, got=image.shape)
+
+
+def check_same_place(grid: VoxelGrid, points_m: FloatArray) -> None:
+    """Check that a view shows some of what a map is of.
+
+    Args:
+        grid: The map.
+        points_m: Point of the world that each pixel shows [m], NaN where none, shape (H, W, 3).
+
+    Raises:
+        InputError: If none lies over the map, within 1 m above or under it.
+    """
+    low_m = grid.origin_m - grid.spacing_m / 2
+    high_m = low_m + grid.spacing_m * np.array(grid.values.shape)
+    reach_m = np.array([0.0, 0.0, _APART_M])
+    with np.errstate(invalid="ignore"):
+        inside = (points_m >= low_m - reach_m) & (points_m <= high_m + reach_m)
+    if inside.all(axis=-1).any():
+        return
+    seen_m = points_m[np.isfinite(points_m[..., 2])]
+    shown = [seen_m.min(axis=0).round(2).tolist(), seen_m.max(axis=0).round(2).tolist()]
+    mapped = [low_m.round(2).tolist(), high_m.round(2).tolist()]
+    message = f"the view shows {shown[0]} to {shown[1]} m, the map is of {mapped[0]} to {mapped[1]} m: another frame?"
+    raise InputError(message, shown=shown, mapped=mapped)
+
+
+def check_same_columns(grid: VoxelGrid, columns: MaskColumns) -> None:
+    """Check that columns are those of a map.
+
+    Raises:
+        ShapeError: If not.
+    """
+    if columns.owner.shape != grid.values.shape[:2]:
+        message = f"columns: have shape {columns.owner.shape}, the map {grid.values.shape[:2]}"
+        raise ShapeError(message, name="columns", expected=grid.values.shape[:2], got=columns.owner.shape)
 
 
 @numba.njit(cache=True)

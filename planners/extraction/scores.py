@@ -15,7 +15,7 @@ The ceiling is 1 for g_i > τ and 0 for all else. The prose says what is meant: 
 
 import numpy as np
 
-from planners.extraction.projection import MaskColumns
+from planners.extraction.projection import MaskColumns, check_same_columns
 from rfcompass.arrays import BoolArray, FloatArray, IntArray
 from rfcompass.errors import InputError
 from rfcompass.types import VoxelGrid
@@ -32,7 +32,7 @@ def mask_scores(
     Args:
         grid: The map p.
         columns: The columns under each mask.
-        labels: Which masks, shape (K,).
+        labels: Which masks, at least one, shape (K,).
         gamma: Discount for each 2.5 cm, in (0, 1].
         per_column: Read z_i as the height of each column's surface.
 
@@ -40,10 +40,12 @@ def mask_scores(
         One score for each label, shape (K,).
 
     Raises:
-        InputError: If γ is out of range.
+        InputError: If γ is out of range, or there is no label.
+        ShapeError: If the columns are those of another map.
     """
     if not 0 < gamma <= 1:
         raise InputError(f"gamma {gamma} is not in (0, 1]", got=gamma)
+    check_same_columns(grid, columns)
     owner, group = columns_by_label(columns, labels)
     tops_m = columns.surface_m[owner]
     if not per_column:
@@ -59,7 +61,13 @@ def mask_scores(
 
 
 def columns_by_label(columns: MaskColumns, labels: IntArray) -> tuple[BoolArray, IntArray]:
-    """Columns that belong to any of the labels, shape (X, Y), and the number of its label for each of them, (M,)."""
+    """Columns that belong to any of the labels, shape (X, Y), and the number of its label for each of them, (M,).
+
+    Raises:
+        InputError: If there is no label.
+    """
+    if not len(labels):
+        raise InputError("labels: there is no mask to score", got=0)
     order = np.argsort(labels)
     place = np.searchsorted(labels[order], columns.owner).clip(max=len(labels) - 1)
     known = labels[order][place] == columns.owner

@@ -9,7 +9,7 @@ recognise the target: min(1, w / enough).
 import numba
 import numpy as np
 
-from planners.extraction.projection import MaskColumns
+from planners.extraction.projection import MaskColumns, check_same_columns
 from rfcompass.arrays import FloatArray, IntArray
 from rfcompass.types import VoxelGrid
 
@@ -30,7 +30,11 @@ def mass_by_depth(
     Returns:
         Mass at depths of 0, 1, ... voxels of the target's top under the surface. One row for each label; an object's
         row does not exceed the map's sum, 1; rows of neighbours share mass. All 0 for an empty map. Shape (K, D).
+
+    Raises:
+        ShapeError: If the columns are those of another map.
     """
+    check_same_columns(grid, columns)
     positive = np.maximum(grid.values, 0.0)
     total = float(positive.sum())
     group = np.full(columns.owner.shape, -1, dtype=np.int64)

@@ -29,6 +29,7 @@ from rfcompass.simulation.piles.scanning import FRAME
 from rfcompass.studies.pile_scan import ANTENNA, CAMERA, PILE_SAR, ROBOT, SEARCH, T_WORLD_BASE, WristWay, wrist_way
 from rfcompass.types import DepthView, ExtractionAction, GraspAttempt, InstanceMasks, PileLook, TagFix
 from rfcompass.types.configuration import Configuration
+from rfcompass.types.counts import check_count
 from rfcompass.types.grasps import Failure
 from rfcompass.types.motions import REACH, RETREAT
 from rfcompass.types.reads import ReadTrace
@@ -94,6 +95,7 @@ class SimulatedPileRobot:
 
     def __post_init__(self) -> None:
         """Stand at rest over the table."""
+        check_count(self.seed, "SimulatedPileRobot.seed")
         self.world = self.scene.world()
         if self.absent:
             self.world.remove(self.scene.target)

@@ -16,6 +16,7 @@ from rfcompass.simulation.piles import PileScene, TaggedItems, tag_items
 from rfcompass.studies.pile_robot import SimulatedPileRobot
 from rfcompass.studies.pile_scan import PILE_SAR, workspace
 from rfcompass.types import DepthView, InstanceMasks, SearchResult, SearchStep
+from rfcompass.types.counts import check_count
 
 SPACING_M = 0.01
 
@@ -56,6 +57,10 @@ class SearchTask:
     spacing_m: float = SPACING_M
     absent: bool = False
     surveyor: SarSurveyor = PILE_SAR
+
+    def __post_init__(self) -> None:
+        """Check the seed."""
+        check_count(self.seed, "SearchTask.seed")
 
     def robot(self) -> SimulatedPileRobot:
         """Put a robot over the pile."""
@@ -110,8 +115,9 @@ def tagged_items_of(scene: PileScene, placement: str, count: int, seed: int, *, 
     With `only_soft` nothing rigid gets one.
 
     Raises:
-        InputError: If the number is negative.
+        InputError: If the number or the seed is negative.
     """
+    check_count(seed, "seed")
     if count < 0:
         raise InputError(f"{count} tags: cannot be", got=count)
     most = sum(

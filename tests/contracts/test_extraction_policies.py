@@ -16,7 +16,7 @@ from planners.extraction import (
     RandomPolicy,
     XRayPolicy,
 )
-from rfcompass.errors import NothingToGrasp, ShapeError
+from rfcompass.errors import InputError, NothingToGrasp, ShapeError
 from rfcompass.interfaces import ExtractionPolicy
 from rfcompass.types import GraspMaps, InstanceMasks, VoxelGrid
 
@@ -172,3 +172,26 @@ def test_the_gate_bars_what_can_hardly_be_grasped_as_long_as_something_can(polic
     hopeless = dataclasses.replace(asked, grasps=grasps_of(asked.masks.labels, (0.4, 0.3, 0.3)))
     if not isinstance(policy, RandomPolicy):
         assert policy.choose(*hopeless.parts()).mask_label == 1
+
+
+@every_policy
+@pytest.mark.parametrize("failed_m", [np.full(3, np.nan), np.zeros(2), np.zeros((1, 3)), 0.0, None])
+def test_places_of_failed_grasps_that_are_none_are_refused(policy, failed_m):
+    for remembers in (True, False):
+        with pytest.raises(ShapeError, match="failed_m"):
+            dataclasses.replace(policy, remembers=remembers).choose(*question().parts(), [failed_m])
+
+
+@every_policy
+def test_a_failed_grasp_that_counts_no_more_is_nowhere(policy):
+    nowhere = np.full(3, np.inf)
+    assert policy.choose(*question().parts(), [nowhere]).mask_label in (1, 2, 3)
+
+
+@every_policy
+@pytest.mark.parametrize("shift_m", [(50.0, 0.0, 0.0), (0.0, -50.0, 0.0), (0.0, 0.0, 50.0)])
+def test_a_map_in_another_frame_than_the_view_is_refused(policy, shift_m):
+    asked = question()
+    away = VoxelGrid(asked.grid.origin_m + shift_m, asked.grid.spacing_m, asked.grid.values)
+    with pytest.raises(InputError, match="another frame"):
+        policy.choose(away, asked.view, asked.masks, asked.grasps)

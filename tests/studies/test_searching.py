@@ -13,7 +13,7 @@ from simulation.pile_scenes import tiny
 from rfcompass.errors import InputError, PileUnsettled
 from rfcompass.simulation.piles import ExecutedGrasp
 from rfcompass.studies import pile_robot
-from rfcompass.studies.pile_robot import DROP_M, READ_S
+from rfcompass.studies.pile_robot import DROP_M, READ_S, SimulatedPileRobot
 from rfcompass.studies.pile_scan import PILE_SAR
 from rfcompass.studies.search_film import film_of
 from rfcompass.studies.search_methods import METHODS, search_method
@@ -201,6 +201,19 @@ def test_tags_are_dealt_once_for_all_methods_and_as_many_as_there_are_items():
     assert len(one.tags) == len(taggable)
     with pytest.raises(InputError, match="-1 tags"):
         tagged_items_of(scene, "any", -1, SEED)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5])
+def test_a_seed_that_is_none_is_refused_before_anything_is_made(seed):
+    one = task()
+    for make in (
+        lambda: replace(one, seed=seed),
+        lambda: tagged_items_of(one.scene, "any", 1, seed),
+        lambda: search_method("random", one.tags.target_size, seed),
+        lambda: SimulatedPileRobot(scene=one.scene, tags=one.tags, seed=seed),
+    ):
+        with pytest.raises(InputError, match="seed"):
+            make()
 
 
 def test_a_tag_that_comes_into_the_drop_zone_answers_there():

@@ -7,7 +7,7 @@ import pytest
 from box_scenes import Block, intrinsics, looking_down
 from extraction_scenes import grasps_of, question
 
-from planners.extraction import FuseBotPolicy, LargestMaskPolicy, MapMassPolicy, NaivePolicy, XRayPolicy
+from planners.extraction import FuseBotPolicy, LargestMaskPolicy, MapMassPolicy, NaivePolicy, RandomPolicy, XRayPolicy
 from planners.extraction.xray_policy import every_pixel
 from rfcompass.errors import InputError
 from rfcompass.mapping.camera import points_image
@@ -76,3 +76,9 @@ def test_every_other_pixel_of_an_image_is_an_image(middle):
     K[:2, 2] = middle
     half = every_pixel(DepthView(np.ones((3, 4)), K, looking_down()), 2)
     assert half.depth_m.shape == (2, 2)
+
+
+@pytest.mark.parametrize("seed", [-1, 0.5, None])
+def test_a_seed_that_is_none_is_refused_where_it_is_given(seed):
+    with pytest.raises(InputError, match="seed"):
+        RandomPolicy(seed=seed)

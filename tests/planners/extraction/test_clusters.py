@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from planners.extraction import best_cluster, clusters_of
-from rfcompass.errors import InputError, NothingHidden
+from rfcompass.errors import InputError, NothingHidden, ShapeError
 from rfcompass.types import VoxelGrid
 
 
@@ -57,3 +57,6 @@ def test_an_empty_map_and_a_wrong_threshold_are_named():
         best_cluster(grid_of(np.zeros((3, 3, 2))))
     with pytest.raises(InputError):
         best_cluster(two_piles(), 1.0)
+    for shape in ((0, 0, 0), (3, 3, 0)):
+        with pytest.raises(ShapeError, match="no voxel"):
+            grid_of(np.zeros(shape))

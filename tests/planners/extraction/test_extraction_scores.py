@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from planners.extraction import FuseBotPolicy, MaskColumns, mask_scores, project_masks
 from planners.extraction.scores import gated_literally, passes
+from planners.extraction.uncovering import mass_by_depth
 from rfcompass.errors import InputError, ShapeError
 from rfcompass.types import InstanceMasks, VoxelGrid
 
@@ -135,3 +136,14 @@ def test_an_action_carries_the_scores_that_were_compared():
         action = FuseBotPolicy(gate=gate).choose(*asked.parts())
         assert set(action.scores) == compared
         assert action.scores[action.mask_label] == action.score == max(action.scores.values())
+
+
+def test_scores_are_of_some_labels_over_the_columns_of_the_map():
+    grid, columns = VoxelGrid(np.zeros(3), 0.01, np.ones((6, 5, 8))), MaskColumns(np.ones((6, 5), int), np.ones((6, 5)))
+    with pytest.raises(InputError, match="no mask"):
+        mask_scores(grid, columns, np.array([], dtype=np.int64))
+    other = MaskColumns(np.ones((7, 5), int), np.ones((7, 5)))
+    with pytest.raises(ShapeError, match="columns"):
+        mask_scores(grid, other, np.array([1]))
+    with pytest.raises(ShapeError, match="columns"):
+        mass_by_depth(grid, other, np.array([1]), 0.01, 0.01, 0.2)

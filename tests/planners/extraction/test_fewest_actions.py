@@ -127,7 +127,7 @@ def test_less_trust_in_the_map_prefers_many_doubtful_places_to_one_likely_one():
 
 
 def test_parameters_have_ranges():
-    for wrong in ({"removals": 0}, {"enough": 0.0}, {"trust": 0.0}, {"tau": 2.0}):
+    for wrong in ({"removals": 0}, {"removals": 1.5}, {"enough": 0.0}, {"trust": 0.0}, {"trust": np.inf}, {"tau": 2.0}):
         with pytest.raises(InputError):
             FewestActionsPolicy(target_m=TARGET_M, **wrong)
     with pytest.raises(ShapeError):
@@ -135,7 +135,11 @@ def test_parameters_have_ranges():
     for wrong in ({"success": ((0.0, 0.0), (1.0, 1.0))}, {"success": ((1.0, 0.5), (0.0, 0.6))}, {"success": ()}):
         with pytest.raises(InputError):
             ActionCosts(**wrong)
-    with pytest.raises(InputError):
-        ActionCosts(lost=-1.0)
+    for wrong in (
+        {"success": ((np.nan, 0.5),)}, {"success": ((0.5, np.nan),)}, {"lost": -1.0}, {"lost": np.inf},
+        {"failures": 2.5}, {"area_m2": np.nan},
+    ):  # fmt: skip
+        with pytest.raises(InputError):
+            ActionCosts(**wrong)
     with pytest.raises(InputError):
         LayerRules(spacing_m=0.0)
