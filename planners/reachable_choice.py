@@ -8,9 +8,10 @@ from typing import TypeVar
 import numpy as np
 
 from planners.extraction.candidates import failed_object, tried_before
+from planners.extraction.projection import check_same_image
 from planners.target_grasp import ChosenGrasp, without_near
 from rfcompass.arrays import FloatArray
-from rfcompass.errors import NothingToGrasp
+from rfcompass.errors import InputError, NothingToGrasp
 from rfcompass.mapping.camera import points_image
 from rfcompass.types import DepthView, ExtractionAction, GraspMaps, InstanceMasks
 from rfcompass.types.record import Record
@@ -32,12 +33,23 @@ class Offer(Record):
         masks: Objects in it that can be chosen.
         grasps: The best grasp at each pixel.
         failed_m: Where grasps have failed, in the world [m], shape (3,) each.
+
+    Raises:
+        InputError: If masks or grasps are something else, as those of a segmenter that answers with None.
+        ShapeError: If the images differ in size.
     """
 
     view: DepthView
     masks: InstanceMasks
     grasps: GraspMaps
     failed_m: Sequence[FloatArray] = ()
+
+    def __post_init__(self) -> None:
+        """Check that masks and grasps are what they should be, and of this view."""
+        for name, kind in (("masks", InstanceMasks), ("grasps", GraspMaps)):
+            _check_kind(getattr(self, name), name, kind)
+        check_same_image(self.view, self.masks.labels, "masks")
+        check_same_image(self.view, self.grasps.quality, "grasps")
 
     def without_grasps_near(self, action: ExtractionAction) -> "Offer":
         """The same without grasps at some place."""
@@ -54,12 +66,23 @@ class Offer(Record):
         return replace(self, masks=masks, failed_m=tuple(failed_m))
 
     def chance_of(self, action: ExtractionAction) -> float:
-        """What is promised of a grasp: the best within 2 cm on its object, after what has failed there, or 0."""
+        """What is promised of a grasp: the best within 2 cm on its object, after what has failed there, or 0.
+
+        Raises:
+            InputError: If it is none, as that of a policy that answers with None.
+        """
+        _check_kind(action, "action", ExtractionAction)
         points_m = points_image(self.view)
         off_m = np.linalg.norm(points_m[..., :2] - action.T_world_hand[:2, 3], axis=2)
         near = (off_m < _SAME_M) & (self.masks.labels == action.mask_label)
         quality = self.grasps.quality * tried_before(points_m, self.masks, self.failed_m)
         return float(np.max(quality, where=near, initial=0.0))
+
+
+def _check_kind(value: object, name: str, kind: type) -> None:
+    if not isinstance(value, kind):
+        got = type(value).__name__
+        raise InputError(f"{name}: {got} where {kind.__name__} is expected", name=name, got=got)
 
 
 def choose_within_reach(

@@ -6,7 +6,7 @@ so is `XRayBelief`, the stronger variant of that baseline. `OwnTag` puts the tar
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from rfcompass.errors import NotLocated
 from rfcompass.mapping import (
@@ -30,6 +30,7 @@ from rfcompass.types.record import Record
 Fixes = Mapping[str, TagFix]
 
 
+@runtime_checkable
 class Belief(Protocol):
     """Says where the target may be."""
 

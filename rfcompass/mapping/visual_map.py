@@ -24,6 +24,8 @@ from rfcompass.types.record import Record
 from rfcompass.types.workspace import Workspace
 
 LOCAL_EDGE_M = 0.10  # [Boroushaki2023], section 5
+# Ours: the coarsest voxel in which a hidden item is not overlooked, of the item's shortest edge; see `check_spacing`.
+COARSEST = 2 / 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +121,16 @@ class VisualMap(Record):
 
         Slivers behind edges are no place for an item: whoever looks for one asks with its shortest edge, for a box, a
         cylinder or an ellipsoid holds such a ball. The ball may reach into surfaces, and is taken smaller by half a
-        voxel's diagonal, since its middle need not be on the grid: where this is 0, such an item is not there.
+        voxel's diagonal, since its middle need not be on the grid. Where this is 0, no such item is where views from
+        straight above reached, but for noise and half a pixel; for slanted views, see `check_spacing`.
+
+        Args:
+            edge_m: Diameter of the ball [m].
+
+        Raises:
+            InputError: If the voxels are too coarse to tell.
         """
+        check_spacing(self.workspace.spacing_m, edge_m)
         voxels = (edge_m / 2 / self.workspace.spacing_m) - np.sqrt(3) / 2
         reach = max(int(voxels), 0)
         steps = np.indices((2 * reach + 1,) * 3) - reach
@@ -221,6 +231,37 @@ class VisualMap(Record):
         high = np.clip(np.floor(place + reach + 1e-9) + 1, 0, self.workspace.shape).astype(np.int64)
         x, y, z = (slice(int(a), int(b)) for a, b in zip(low, high, strict=True))
         return x, y, z
+
+
+def check_spacing(spacing_m: float, edge_m: float) -> None:
+    """Check that voxels are fine enough to tell that an item is not there.
+
+    Something can be hidden in a voxel only if its middle lies half a voxel or more under what is seen. In coarse voxels
+    a hidden item may have no such voxel: all of it counts as the surface, and the map "proves" that nothing is there.
+    Let d be the item's shortest edge, h that of a voxel, and the view from straight above. The middle of the nearest
+    column of voxels is no further than h / √2 from that of a ball on the table, which is there
+
+        d/2 + √(d²/4 - h²/2)
+
+    high. That is at least h, so that the lowest voxel is h / 2 under it, exactly if h ≤ 2/3 d. Other items on the ball
+    only add to that.
+
+    Rays that are slanted by φ may miss what covers a voxel. Then the voxel nearest to the ball's middle is hidden for
+    certain if (√3 + 1 / cos φ) h ≤ d: for an upright camera of 65 by 40 degrees, about h ≤ d / 3.
+
+    Args:
+        spacing_m: Edge of a voxel [m].
+        edge_m: Shortest edge of the item [m].
+
+    Raises:
+        InputError: If the voxels are coarser than 2/3 of the edge.
+    """
+    if not spacing_m <= COARSEST * edge_m * (1 + 1e-9):
+        message = (
+            f"voxels of {spacing_m:g} m are too coarse to tell where an item of {edge_m:g} m is not; "
+            f"at most {COARSEST * edge_m:.3g} m"
+        )
+        raise InputError(message, spacing_m=spacing_m, edge_m=edge_m, most_m=COARSEST * edge_m)
 
 
 def map_views(workspace: Workspace, views: Iterable[DepthView], *, rule: LogOdds | None = None) -> VisualMap:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rfcompass.errors import CameraBlocked, InputError, ShapeError
 from rfcompass.mapping import LogOdds, VisualMap, clean_depth_m, map_views
 from rfcompass.mapping.view_kernels import FREE, OUTSIDE, SURFACE, UNOBSERVED
+from rfcompass.mapping.visual_map import check_spacing
 from rfcompass.types import DepthView, Workspace
 
 TABLE = Workspace.between([-0.3, -0.25, 0.0], [0.3, 0.25, 0.2], 0.025)
@@ -289,7 +290,7 @@ def test_what_lies_under_its_own_surface_counts_as_far_as_nobody_saw_it():
     assert 0 < VisualMap(seen.workspace, state).room_m3(0.06) <= seen.unobserved_m3
 
 
-@given(edge_m=st.floats(0.005, 0.12), seed=st.integers(0, 99))
+@given(edge_m=st.floats(0.015, 0.12), seed=st.integers(0, 99))
 def test_room_is_never_more_than_what_was_not_seen(edge_m, seed):
     rng = np.random.default_rng(seed)
     seen = rooms(rng.random((12, 12, 8)) < 0.8)
@@ -303,3 +304,67 @@ def test_where_a_ball_lies_that_nobody_saw_there_is_room_for_it(edge_m, middle):
     inside = np.linalg.norm(centres_m - middle, axis=-1) <= edge_m / 2
     state = np.where(inside, UNOBSERVED, FREE).astype(np.uint8)
     assert (VisualMap(workspace, state).room_m3(edge_m) > 0) == bool(inside.any())
+
+
+# --- how coarse voxels may be for a hidden item not to be overlooked -----------------------------
+
+EDGE_M = 0.02
+COARSE = Workspace.between([-0.1, -0.1, 0.0], [0.1, 0.1, 0.2], EDGE_M)
+
+
+def see_ball(middle_m, diameter_m, pose, K, shape):
+    """Depth of a ball over the endless table."""
+    v, u = np.indices(shape)
+    rays = np.stack([u, v, np.ones(shape)], axis=-1) @ np.linalg.inv(K).T @ pose[:3, :3].T
+    eye_m = pose[:3, 3]
+    table = -eye_m[2] / rays[..., 2]
+    a, b = (rays**2).sum(axis=-1), rays @ (eye_m - middle_m)
+    root = b**2 - a * (((eye_m - middle_m) ** 2).sum() - diameter_m**2 / 4)
+    ball = (-b - np.sqrt(np.maximum(root, 0.0))) / a
+    return DepthView(np.where(root > 0, np.minimum(ball, table), table), K, pose)
+
+
+def from_straight_above(middle_m, diameter_m):
+    """From 20 m, a pixel for each millimetre."""
+    view = see_ball(middle_m, diameter_m, looking_down(height_m=20.0), intrinsics(220, 220, 20000.0), (220, 220))
+    return map_views(COARSE, [view])
+
+
+@given(
+    edges=st.floats(1.6, 4.0),
+    at=st.tuples(st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.one_of(st.just(0.0), st.floats(0.0, 0.05))),
+)
+def test_in_voxels_of_two_thirds_a_ball_is_not_overlooked_from_straight_above(edges, at):
+    diameter_m = edges * EDGE_M
+    seen = from_straight_above(np.add(at, (0.0, 0.0, diameter_m / 2)), diameter_m)
+    assert seen.room_m3(diameter_m) > 0
+
+
+def test_in_coarser_ones_it_is_and_they_are_refused():
+    """A ball between four columns of voxels, whose middles see it low or not at all."""
+    for edges, hides in ((1.4, False), (1.45, False), (1.6, True)):
+        diameter_m = edges * EDGE_M
+        seen = from_straight_above(np.array([0.0, 0.0, diameter_m / 2]), diameter_m)
+        assert bool(seen.unobserved.any()) == hides
+        if not hides:
+            with pytest.raises(InputError, match="too coarse") as refusal:
+                seen.room_m3(diameter_m)
+            assert refusal.value.numbers["spacing_m"] == EDGE_M
+            assert refusal.value.numbers["edge_m"] == diameter_m
+
+
+@given(
+    edges=st.floats(3.1, 4.0),
+    at=st.tuples(st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(0.0, 0.05)),
+)
+def test_in_voxels_of_a_third_a_ball_is_not_overlooked_by_slanted_views_either(edges, at):
+    diameter_m = edges * EDGE_M
+    middle_m = np.add(at, (0.0, 0.0, diameter_m / 2))
+    views = [see_ball(middle_m, diameter_m, pose, intrinsics(320, 180, 251.0), (180, 320)) for pose in square_scan()]
+    assert map_views(COARSE, views).room_m3(diameter_m) > 0
+
+
+@pytest.mark.parametrize(("spacing_m", "edge_m"), [(0.1, 0.05), (0.021, 0.03), (0.01, np.nan), (0.01, 0.0)])
+def test_voxels_that_are_too_coarse_are_refused(spacing_m, edge_m):
+    with pytest.raises(InputError, match="too coarse"):
+        check_spacing(spacing_m, edge_m)

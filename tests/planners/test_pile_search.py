@@ -320,9 +320,9 @@ def test_a_camera_below_the_table_is_not_passed_over() -> None:
 
 @pytest.mark.parametrize("part", ["segmenter", "quality"])
 def test_parts_that_know_another_table_are_refused(part: str) -> None:
-    @dataclass
-    class OnADesk:
-        table_m: float
+    class OnADesk(AnyMasks, AnyGrasps):
+        def __init__(self, table_m: float) -> None:
+            self.table_m = table_m
 
     begun = search(ScriptedRobot([FOUND]))
     assert replace(begun, **{part: OnADesk(0.0)}).workspace.table_m == 0.0
@@ -679,3 +679,61 @@ def test_the_cost_of_the_last_failure_goes_by_the_rule_of_the_search() -> None:
     both = WithAStrip()
     replace(bare, segmenter=both, quality=both, rules=PileSearchRules(most_failures=3)).run()
     assert [bool(abs(action.T_world_hand[0, 3]) > 0.1) for action in robot.done] == [False, True, True]
+
+
+@pytest.mark.parametrize("part", ["robot", "segmenter", "quality"])
+@pytest.mark.parametrize("wrong", [None, AnyMasks, object()])
+def test_a_part_that_cannot_do_its_work_is_refused_where_it_is_put_in(part: str, wrong: object) -> None:
+    begun = search(ScriptedRobot([FOUND]))
+    with pytest.raises(InputError, match=part):
+        replace(begun, **{part: wrong})
+
+
+@pytest.mark.parametrize(("part", "wrong"), [("policy", None), ("policy", AnyMasks()), ("belief", Noted())])
+def test_a_method_that_cannot_do_its_work_is_refused_before_the_arm_moves(part: str, wrong: object) -> None:
+    begun = search(ScriptedRobot([FOUND]))
+    method = replace(begun.method, **{part: wrong})
+    with pytest.raises(InputError, match=part):
+        replace(begun, method=method)
+
+
+class Silent:
+    """Has all methods, and answers with None."""
+
+    def segment(self, view: DepthView) -> None:
+        return None
+
+    quality = segment
+
+
+class Small:
+    """Answers for another image."""
+
+    def segment(self, view: DepthView) -> InstanceMasks:
+        return InstanceMasks(np.ones((3, 4), dtype=np.int64))
+
+    def quality(self, view: DepthView) -> GraspMaps:
+        return GraspMaps(*np.zeros((4, 3, 4)))
+
+
+@pytest.mark.parametrize("red_from", [0, 99])
+@pytest.mark.parametrize("part", ["segmenter", "quality"])
+@pytest.mark.parametrize(("wrong", "what"), [(Silent(), "NoneType"), (Small(), "shape")])
+def test_an_answer_that_is_none_is_named(red_from: int, part: str, wrong: object, what: str) -> None:
+    with pytest.raises(InputError, match=what):
+        replace(search(ScriptedRobot([HELD], red_from)), **{part: wrong}).run()
+
+
+def test_a_policy_that_chooses_nothing_is_named() -> None:
+    class Undecided(Noted):
+        def choose(self, *told: object) -> None:  # type: ignore[override]
+            return None
+
+    with pytest.raises(InputError, match="ExtractionAction"):
+        search(ScriptedRobot([HELD]), Undecided()).run()
+
+
+def test_voxels_too_coarse_for_the_target_are_refused() -> None:
+    begun = search(ScriptedRobot([FOUND]))
+    with pytest.raises(InputError, match=r"voxels of 0\.02 m are too coarse .* an item of 0\.029 m"):
+        replace(begun, target=ItemSize("target", np.array([0.06, 0.04, 0.029])))

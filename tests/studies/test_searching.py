@@ -11,7 +11,9 @@ pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 from simulation.pile_scenes import tiny
 
 from rfcompass.errors import InputError, PileUnsettled
+from rfcompass.mapping.visual_map import check_spacing
 from rfcompass.simulation.piles import ExecutedGrasp
+from rfcompass.simulation.piles.catalogue import draw_target
 from rfcompass.studies import pile_robot
 from rfcompass.studies.pile_robot import DROP_M, READ_S, SimulatedPileRobot
 from rfcompass.studies.pile_scan import PILE_SAR
@@ -214,6 +216,19 @@ def test_a_seed_that_is_none_is_refused_before_anything_is_made(seed):
     ):
         with pytest.raises(InputError, match="seed"):
             make()
+
+
+def test_voxels_in_which_the_target_would_be_overlooked_are_refused():
+    target = task().tags.target_size
+    with pytest.raises(InputError, match="too coarse") as refusal:
+        SearchRun.of(replace(task(), spacing_m=0.1), search_method("fusebot", target))
+    assert refusal.value.numbers["spacing_m"] == 0.1
+    assert refusal.value.numbers["edge_m"] == target.shortest_m
+
+
+def test_two_centimetres_are_fine_enough_for_every_target_that_is_drawn():
+    for seed in range(300):
+        check_spacing(0.02, float(draw_target(1, np.random.default_rng(seed)).size_m.min()))
 
 
 def test_a_tag_that_comes_into_the_drop_zone_answers_there():
