@@ -1,6 +1,7 @@
 """What folders of results have in common: a file that says whose they are, and a place that may hold nothing else."""
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -26,7 +27,7 @@ def is_described(path: Path, file: str, schema: str, left: Callable[[Path], bool
 
 
 def check_place(path: str | Path, what: str, is_ours: Callable[[Path], bool], *, overwrite: bool) -> None:
-    """Accept a place: nothing there, an empty folder, or one of ours that may be replaced.
+    """Accept a place that can be written: nothing there, an empty folder, or one of ours that may be replaced.
 
     Args:
         path: Where to write.
@@ -35,11 +36,33 @@ def check_place(path: str | Path, what: str, is_ours: Callable[[Path], bool], *,
         overwrite: Whether one that is there may be replaced.
 
     Raises:
-        TraceError: If something is there that must not be replaced; carries `path`.
+        TraceError: If something is there that must not be replaced, or nothing can be written there; carries `path`.
     """
     target = Path(path)
+    check_above(target)
     there = target.is_dir() and is_ours(target)
     if not target.exists() or (target.is_dir() and (not any(target.iterdir()) or (overwrite and there))):
         return
     found = f"a {what}; overwriting was not asked for" if there else f"something else than a {what}"
     raise TraceError(f"{target}: holds {found}", path=str(target))
+
+
+def check_above(target: Path) -> None:
+    """Check that a folder can be made, with those above it that are missing, before there is anything to write.
+
+    Raises:
+        TraceError: If the nearest one that is there is no folder, or must not be written to; carries `path`.
+    """
+    place = target.resolve()
+    above = next((parent for parent in place.parents if _is_there(parent)), place)
+    if not above.is_dir():
+        raise TraceError(f"{target}: {above} is no folder", path=str(target))
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise TraceError(f"{target}: nothing may be written to {above}", path=str(target))
+
+
+def _is_there(path: Path) -> bool:
+    try:
+        return path.exists()
+    except PermissionError:  # in a folder that one must not look into
+        return False

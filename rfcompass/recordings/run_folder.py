@@ -85,7 +85,7 @@ def check_target(path: str | Path, *, overwrite: bool) -> None:
     """Accept a place for a run folder: nothing there, an empty folder, or a run that may be replaced.
 
     Raises:
-        TraceError: If something is there that must not be replaced; carries `path`.
+        TraceError: If something is there that must not be replaced, or nothing can be written there; carries `path`.
     """
     check_place(path, "run", is_run, overwrite=overwrite)
 

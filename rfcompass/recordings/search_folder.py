@@ -82,6 +82,6 @@ def check_search_target(path: str | Path, *, overwrite: bool) -> None:
     """Accept a place for a search: nothing there, an empty folder, or a search that may be replaced.
 
     Raises:
-        TraceError: If something is there that must not be replaced; carries `path`.
+        TraceError: If something is there that must not be replaced, or nothing can be written there; carries `path`.
     """
     check_place(path, "search", is_search, overwrite=overwrite)

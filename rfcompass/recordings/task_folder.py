@@ -78,6 +78,6 @@ def check_task_target(path: str | Path, *, overwrite: bool) -> None:
     """Accept a place for a task: nothing there, an empty folder, or a task that may be replaced.
 
     Raises:
-        TraceError: If something is there that must not be replaced; carries `path`.
+        TraceError: If something is there that must not be replaced, or nothing can be written there; carries `path`.
     """
     check_place(path, "task", is_task, overwrite=overwrite)

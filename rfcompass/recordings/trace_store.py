@@ -14,6 +14,7 @@ from rfcompass.recordings.antenna_poses import POSES_FILE, parse_poses, poses_cs
 from rfcompass.recordings.defects import defect
 from rfcompass.recordings.meta_json import is_trace_meta, meta_json, parse_meta
 from rfcompass.recordings.read_table import READS_FILE
+from rfcompass.recordings.result_folder import check_above
 from rfcompass.recordings.stops import STOPS_FILE, parse_stops, stops_csv
 from rfcompass.recordings.stored_proximity import PROXIMITY_FILE, parse_proximity, proximity_table
 from rfcompass.recordings.text_table import read_text_table
@@ -122,8 +123,9 @@ def check_trace_target(target: Path, *, overwrite: bool) -> None:
     """Check that a trace may be written there.
 
     Raises:
-        TraceError: If something is there that must not be replaced; carries `path`.
+        TraceError: If something is there that must not be replaced, or nothing can be written there; carries `path`.
     """
+    check_above(target)
     if not target.exists() or (target.is_dir() and not any(target.iterdir())):
         return
     if not _is_trace(target):

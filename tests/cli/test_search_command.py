@@ -66,3 +66,14 @@ def test_tags_that_nothing_can_carry_are_not_counted(run, tmp_path):
     ran = run("search", *SMALL, "--tagged", 50, "--out", tmp_path / "run", "--json")
     assert ran.json["tagged"] < 5
     assert f"only {ran.json['tagged']} distractors" in ran.err
+
+
+def test_a_folder_that_cannot_be_is_refused_before_a_pile_is_made(run, tmp_path, monkeypatch):
+    def make_pile(*asked):
+        raise AssertionError("too late")
+
+    monkeypatch.setattr("rfcompass.simulation.piles.make_pile", make_pile)
+    (tmp_path / "afile").write_text("mine", encoding="utf-8")
+    ran = run("search", *SMALL, "--out", tmp_path / "afile" / "sub", "--json")
+    assert (ran.code, ran.json["failure"]["kind"]) == (2, "TraceError")
+    assert "is no folder" in ran.err

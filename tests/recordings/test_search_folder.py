@@ -1,12 +1,14 @@
 """The folder of a search is whole or not there, and never replaces what it did not write."""
 
 import json
+import os
 
 import pytest
 
 from rfcompass.errors import TraceError
-from rfcompass.recordings import is_run
-from rfcompass.recordings.search_folder import StoredSearch, is_search, write_search
+from rfcompass.recordings import check_target, check_task_target, is_run
+from rfcompass.recordings.search_folder import StoredSearch, check_search_target, is_search, write_search
+from rfcompass.recordings.trace_store import check_trace_target
 
 STORED = StoredSearch({"command": "search"}, {"outcome": "found"}, [{"action": 1}, {"action": 2}])
 
@@ -57,4 +59,35 @@ def test_a_picture_that_fails_leaves_nothing(tmp_path):
 def test_numbers_that_json_cannot_hold_are_refused(tmp_path):
     with pytest.raises(ValueError, match="JSON"):
         write_search(StoredSearch({}, {"elapsed_s": float("nan")}, []), tmp_path / "run")
+    assert list(tmp_path.iterdir()) == []
+
+
+every_check = pytest.mark.parametrize(
+    "check", [check_search_target, check_target, check_task_target, check_trace_target]
+)
+
+
+@every_check
+@pytest.mark.parametrize("inside", ["sub", "sub/deeper"])
+def test_a_place_inside_a_file_is_refused_before_there_is_anything_to_write(tmp_path, check, inside):
+    (tmp_path / "afile").write_text("mine", encoding="utf-8")
+    with pytest.raises(TraceError, match="afile is no folder"):
+        check(tmp_path / "afile" / inside, overwrite=False)
+
+
+@every_check
+def test_a_place_in_a_folder_that_must_not_be_written_to_is_refused(tmp_path, check, monkeypatch):
+    asked = []
+    monkeypatch.setattr(os, "access", lambda folder, mode: asked.append((folder, mode)))  # says no, also to the root
+    with pytest.raises(TraceError, match="nothing may be written"):
+        check(tmp_path / "new" / "run", overwrite=False)
+    assert asked == [(tmp_path.resolve(), os.W_OK | os.X_OK)]
+
+
+@every_check
+def test_folders_that_are_missing_on_the_way_are_no_obstacle(tmp_path, check, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    check(tmp_path / "new" / "run", overwrite=False)
+    check(type(tmp_path)("runs/one"), overwrite=False)
+    check(type(tmp_path)("."), overwrite=False)
     assert list(tmp_path.iterdir()) == []
