@@ -19,12 +19,12 @@ import numpy as np
 from planners.extraction import best_cluster, highest_voxel_m
 from planners.failed_grasps import MOVED_M, FailedGrasps
 from planners.reachable_choice import Offer, choose_within_reach
-from planners.search_beliefs import Belief
 from planners.search_method import NEAR_M, OVERHEAD, OVERHEAD_M, PEAK, SearchMethod
+from planners.search_parts import check_parts
 from planners.target_grasp import ChosenGrasp, grasp_again, grasp_target, surest_grasp
 from rfcompass.arrays import FloatArray
 from rfcompass.errors import ArmStopped, CameraBlocked, InputError, NothingHidden, NothingToGrasp, OutOfReach
-from rfcompass.interfaces import ExtractionPolicy, GraspQuality, PileRobot, Segmenter
+from rfcompass.interfaces import GraspQuality, PileRobot, Segmenter
 from rfcompass.mapping import RED, ColourRule, VisualMap, find_visible_target, map_views
 from rfcompass.mapping.visual_map import check_spacing
 from rfcompass.types import (
@@ -120,31 +120,10 @@ class PileSearch:
 
     def __post_init__(self) -> None:
         """Begin with nothing seen; check that the parts fit together."""
-        self._check_roles()
+        check_parts(self.robot, self.method, self.segmenter, self.quality, self.workspace.table_m)
         check_spacing(self.workspace.spacing_m, self.target.shortest_m)
-        expected_m = self.workspace.table_m
-        for part in (self.segmenter, self.quality):
-            table_m = getattr(part, "table_m", expected_m)
-            if not np.isclose(table_m, expected_m, rtol=0, atol=1e-6):
-                message = f"{type(part).__name__} has its table at {table_m} m, the workspace at {expected_m} m"
-                raise InputError(message, got=table_m, expected=expected_m)
         self._seen = VisualMap.empty(self.workspace)
         self._failed = FailedGrasps(self.method.remembers)
-
-    def _check_roles(self) -> None:
-        """Check that each part can do what it will be asked for, before the arm moves."""
-        roles = {
-            "robot": (self.robot, PileRobot),
-            "segmenter": (self.segmenter, Segmenter),
-            "quality": (self.quality, GraspQuality),
-            "policy": (self.method.policy, ExtractionPolicy),
-        }
-        if self.method.belief is not None:
-            roles["belief"] = (self.method.belief, Belief)
-        for name, (part, role) in roles.items():
-            if isinstance(part, type) or not isinstance(part, role):  # a class has the methods, too
-                got = type(part).__name__
-                raise InputError(f"PileSearch: the {name}, a {got}, is no {role.__name__}", name=name, got=got)
 
     def run(self, watch: Callable[[SearchStep], object] | None = None) -> SearchResult:
         """Search to the end, whatever that is.
