@@ -16,8 +16,8 @@ from rfcompass.types.record import Record
 
 CLUSTER, PEAK, OVERHEAD = "cluster", "peak", "overhead"
 LOOKS = (CLUSTER, PEAK, OVERHEAD)
-# Ours: height of the camera over the table above the part of the map, the chosen object, and each place that was grasped; and
-# from where one image shows all piles [m].
+# Ours: height of the camera over the table above a part of the map, the chosen object, and each place that was
+# grasped; and from where one image shows all piles [m].
 NEAR_M, OVERHEAD_M = 0.60, 0.85
 # Ours: edge of what is looked at again by a method that uses all that the view shows [m].
 WHOLE_VIEW_M = 0.60
