@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from planners import AntipodalQuality
 from planners.grasp_at_pixel import grasp_at_pixel
 from rfcompass.simulation.piles import ExecutedGrasp, PileCamera, PileFamily, grasp_item, look_down, make_pile
-from rfcompass.types import DepthView, GraspMaps
+from rfcompass.types import DepthView
+from rfcompass.viz.grasp_maps import draw_grasps
 
 SMALL = PileFamily("small", "covered", (4,))
 
@@ -24,19 +25,6 @@ def draw_colours(axis: Axes, view: DepthView, title: str) -> None:
     """Draw what the camera sees."""
     axis.imshow(view.colour.astype(np.uint8))
     axis.set_title(title, loc="left")
-    axis.axis("off")
-
-
-def draw_quality(axis: Axes, view: DepthView, maps: GraspMaps, pixel: tuple[int, int]) -> None:
-    """Draw the quality over the depth, and the jaws of the best grasp; the camera's columns run along the world's x."""
-    axis.imshow(view.depth_m, cmap="gray_r")
-    shown = axis.imshow(np.where(maps.quality > 0, maps.quality, np.nan), cmap="viridis", vmin=0, vmax=1)
-    axis.figure.colorbar(shown, ax=axis, shrink=0.7, label="chance to hold")
-    row, column = pixel
-    half_px = maps.width_m[pixel] / 2 * view.intrinsics[0, 0] / view.depth_m[pixel]
-    along = half_px * np.array([np.cos(maps.angle_rad[pixel]), -np.sin(maps.angle_rad[pixel])])
-    axis.plot(column + along[0] * np.array([-1, 1]), row + along[1] * np.array([-1, 1]), "o-", color="red")
-    axis.set_title(f"best: {maps.quality[pixel]:.2f}", loc="left")
     axis.axis("off")
 
 
@@ -56,7 +44,8 @@ def main(fast: bool = False, out: Path = Path("runs/22_grasp")) -> list[Executed
         view = camera.view()
         maps = quality.quality(view)
         row, column = np.unravel_index(np.argmax(maps.quality), maps.quality.shape)
-        draw_quality(right, view, maps, (int(row), int(column)))
+        draw_grasps(right, view, maps, [(int(row), int(column))])
+        right.set_title(f"best: {maps.quality[row, column]:.2f}", loc="left")
         T_world_hand, aperture_m = grasp_at_pixel(view, maps, int(row), int(column))
         grasp = grasp_item(world, T_world_hand, aperture_m)
         draw_colours(left, view, f"{len(world.items) + len(grasp.taken)} things; then {grasp.outcome}")

@@ -17,6 +17,7 @@ from rfcompass.cli.output import messages
 from rfcompass.cli.partition import partition
 from rfcompass.cli.parts import parts_app
 from rfcompass.cli.proximity import proximity
+from rfcompass.cli.rate import rate_command
 from rfcompass.cli.reach import reach_command
 from rfcompass.cli.record import record_command
 from rfcompass.cli.robots import robots_app
@@ -37,6 +38,7 @@ app.command("fetch")(fetch)
 app.command("search")(search_command)
 app.command("locate")(locate)
 app.command("grasp")(grasp_command)
+app.command("rate")(rate_command)
 app.command("survey")(survey_command)
 app.command("calibrate")(calibrate)
 app.command("proximity")(proximity)
