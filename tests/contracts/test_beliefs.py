@@ -99,6 +99,12 @@ def test_strays_and_what_is_not_located_change_nothing(name, fixes):
     assert map_of(name, {**unsure, **fixes}).values == pytest.approx(plain, abs=1e-12)
 
 
+@pytest.mark.parametrize("name", [name for name in RECORDS if name != "xray"])
+def test_the_tag_of_a_known_thing_counts_while_the_targets_is_not_located(name):
+    plain, tagged = (map_of(name, {**fixes, OWN: fix(OWN, confident=False)}).values for fixes in ({}, {EPC: fix(EPC)}))
+    assert np.abs(tagged - plain).max() > 1e-4
+
+
 @every_belief
 def test_the_database_says_nothing_about_places(name):
     assert np.array_equal(map_of(name, {}, ()).values, map_of(name, {}).values)

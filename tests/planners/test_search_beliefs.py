@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planners.search_beliefs import OwnTag, PaperBelief, PosteriorBelief
+from planners.search_beliefs import OwnTag, PaperBelief
 from rfcompass.mapping import VisualMap
 from rfcompass.mapping.view_kernels import FREE, SURFACE, UNOBSERVED
 from rfcompass.types import ItemSize, TagFix, Workspace
@@ -23,13 +23,6 @@ def seen(*, hidden: bool = True) -> VisualMap:
 
 def fix(epc: str, x_m: float = -0.05, *, confident: bool = True) -> TagFix:
     return TagFix(epc, np.array([x_m, 0.0, 0.04]), np.full(3, 0.04), confident)
-
-
-@pytest.mark.parametrize("belief", [PaperBelief(), PosteriorBelief()])
-def test_a_tag_of_a_known_item_counts(belief: object) -> None:
-    plain = belief.believe(seen(), TARGET, {}, [SOFT]).values
-    tagged = belief.believe(seen(), TARGET, {EPC: fix(EPC)}, [SOFT]).values
-    assert np.abs(tagged - plain).max() > 1e-4
 
 
 def test_in_the_papers_map_a_tag_makes_its_surroundings_less_likely() -> None:
