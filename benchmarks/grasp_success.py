@@ -3,8 +3,9 @@
     python -m benchmarks.grasp_success --fit tuning.npz [...]
     python -m benchmarks.grasp_success report.npz [...]
 
-Rows come from `benchmarks.executed_grasps`. Intervals are bootstrap percentiles over scenes, 95 %: grasps in one scene
-are not independent.
+Rows come from `benchmarks.executed_grasps`. A grasp held if anything rose with the hand; beside that the tables say how
+often the thing did that its pixel showed (own). Weights are fitted to the first. Intervals are bootstrap percentiles
+over scenes, 95 %: grasps in one scene are not independent.
 """
 
 import argparse
@@ -39,11 +40,11 @@ def auc(scores: FloatArray, held: BoolArray) -> float:
 
 
 def interval(scenes: np.ndarray, measure: Callable[[np.ndarray], float]) -> tuple[float, float]:
-    """95 % interval of a measure of row indices, scenes drawn with replacement."""
+    """95 % interval of a measure of row indices, scenes drawn with replacement; NaN where it is never defined."""
     rng, names = np.random.default_rng(0), np.unique(scenes)
     of = {name: np.flatnonzero(scenes == name) for name in names}
     drawn = [measure(np.concatenate([of[name] for name in rng.choice(names, len(names))])) for _ in range(DRAWS)]
-    low, high = np.nanpercentile(drawn, [2.5, 97.5])
+    low, high = (np.nan, np.nan) if np.isnan(drawn).all() else np.nanpercentile(drawn, [2.5, 97.5])
     return float(low), float(high)
 
 
@@ -90,16 +91,23 @@ def fit(rows: list[Row]) -> None:
         print(f"   shipped weights: AUC {auc(now, held):.2f}, to be scaled by {slope:.2f}, shifted by {shift:.2f}")
 
 
+def rose(rows: list[Row]) -> dict[str, BoolArray]:
+    """Whether anything rose with the hand, and whether what was meant did, shape (N,) each."""
+    _, held, _ = columns(rows)
+    return {"held": held, "own": held & np.array([bool(row["own"]) for row in rows])}
+
+
 def report(rows: list[Row]) -> None:
     """Print the tables."""
     kinds = np.array([row["kind"] for row in rows])
     quality = success_of(np.array([row["log_odds"] for row in rows]), kinds)
     best = np.array([row["way"] == "best" for row in rows])
-    _, held, scenes = columns(rows)
-    print(f"{len(rows)} grasps in {len(np.unique(scenes))} scenes, held {held.mean():.3f}")
-    everything = np.ones(len(rows), dtype=bool)
+    _, _, scenes = columns(rows)
+    ends = rose(rows)
+    shares = ", ".join(f"{end} {which.mean():.3f}" for end, which in ends.items())
+    print(f"{len(rows)} grasps in {len(np.unique(scenes))} scenes: {shares}")
     groups = {
-        "all": everything,
+        "all": np.ones(len(rows), dtype=bool),
         "best of a thing": best,
         "random": ~best,
         "closings": kinds == 1,
@@ -108,26 +116,38 @@ def report(rows: list[Row]) -> None:
     for family in dict.fromkeys(str(row["family"]) for row in rows):
         groups[family] = np.array([row["family"] == family for row in rows])
     for name, which in groups.items():
-        q, h = quality[which], held[which]
-        span = interval(scenes[which], lambda i, q=q, h=h: auc(q[i], h[i]))  # type: ignore[misc]
-        share = f"N {len(q):5d} held {h.mean():.2f} expected {q.mean():.2f}"
-        print(f"{name:16s} {share} AUC {auc(q, h):.2f} [{span[0]:.2f}, {span[1]:.2f}]")
+        show_aucs(name, np.flatnonzero(which), quality, ends, scenes)
     for low, high in itertools.pairwise(BINS):
-        show(
-            f"quality {low:.2f}..{high:.2f}", np.flatnonzero((quality >= low) & (quality < high)), quality, held, scenes
-        )
-    show("best grasp of a state", best_of_states(rows, quality), quality, held, scenes)
+        inside = np.flatnonzero((quality >= low) & (quality < high))
+        show(f"quality {low:.2f}..{high:.2f}", inside, quality, ends, scenes)
+    show("best grasp of a state", best_of_states(rows, quality), quality, ends, scenes)
     for item in sorted({str(row["item"]) for row in rows}):
         print(f"  {item:10s}", dict(Counter(str(row["outcome"]) for row in rows if row["item"] == item)))
 
 
-def show(name: str, which: np.ndarray, quality: FloatArray, held: BoolArray, scenes: np.ndarray) -> None:
-    """Print how often some grasps held, beside what their quality said."""
+def show_aucs(
+    name: str, which: np.ndarray, quality: FloatArray, ends: dict[str, BoolArray], scenes: np.ndarray
+) -> None:
+    """Print how well the quality of some grasps tells which of them rose, of each kind of end."""
     if not len(which):
         return
-    low, high = interval(scenes[which], lambda i: float(held[which][i].mean()))
-    told = f"N {len(which):4d} expected {quality[which].mean():.2f} held {held[which].mean():.2f}"
-    print(f"{name:24s} {told} [{low:.2f}, {high:.2f}]")
+    told = f"{name:16s} N {len(which):5d} expected {quality[which].mean():.2f}"
+    for end, there in ends.items():
+        q, h = quality[which], there[which]
+        low, high = interval(scenes[which], lambda i, q=q, h=h: auc(q[i], h[i]))  # type: ignore[misc]
+        told += f" | {end} {h.mean():.2f} AUC {auc(q, h):.2f} [{low:.2f}, {high:.2f}]"
+    print(told)
+
+
+def show(name: str, which: np.ndarray, quality: FloatArray, ends: dict[str, BoolArray], scenes: np.ndarray) -> None:
+    """Print how often some grasps rose, of each kind of end, beside what their quality said."""
+    if not len(which):
+        return
+    told = f"{name:24s} N {len(which):4d} expected {quality[which].mean():.2f}"
+    for end, there in ends.items():
+        low, high = interval(scenes[which], lambda i, h=there[which]: float(h[i].mean()))  # type: ignore[misc]
+        told += f" | {end} {there[which].mean():.2f} [{low:.2f}, {high:.2f}]"
+    print(told)
 
 
 def best_of_states(rows: list[Row], quality: FloatArray) -> np.ndarray:

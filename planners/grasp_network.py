@@ -106,7 +106,8 @@ class NetworkGraspQuality:
     def quality(self, view: DepthView) -> GraspMaps:
         """Ask the network; angles are turned into the world, widths into metres at the depth of their pixel.
 
-        A pixel without depth has no grasp.
+        A pixel without depth has no grasp, nor has one that shows nothing higher than the tips have to stay: a network
+        that answers everywhere answers on the table, too.
 
         Raises:
             ShapeError: If it does not answer with three images of the view's shape, or with something that is not
@@ -120,12 +121,13 @@ class NetworkGraspQuality:
         along = np.stack([np.cos(angle) / K[0, 0], np.sin(angle) / K[1, 1], np.zeros(shape)], axis=-1)
         in_world = along @ view.T_world_camera[:3, :3].T
         seen = np.isfinite(depth_m)
-        over_table_m = points_image(view)[..., 2] - self.table_m - self.above_table_m
+        over_table_m = np.where(seen, points_image(view)[..., 2] - self.table_m - self.above_table_m, 0.0)
+        there = over_table_m > 0
         return GraspMaps(
-            np.where(seen, quality, 0.0),
+            np.where(there, quality, 0.0),
             np.arctan2(in_world[..., 1], in_world[..., 0]),
-            np.where(seen, width * np.linalg.norm(along, axis=-1) * depth_m, 0.0),
-            np.where(seen, np.clip(over_table_m, 0.0, self.depth_m), 0.0),
+            np.where(there, width * np.linalg.norm(along, axis=-1) * depth_m, 0.0),
+            np.clip(over_table_m, 0.0, self.depth_m),
         )
 
     def _asked(self, depth_m: FloatArray, shape: tuple[int, ...]) -> list[FloatArray]:

@@ -44,8 +44,12 @@ class Belief(Protocol):
                 has gone further than it is followed.
             sizes: What the database says about tagged items.
 
+        Returns:
+            The voxels of what is mapped, or one layer of them on the table; finite and not negative. Zeros everywhere
+            say that no place is left.
+
         Raises:
-            NothingHidden: If no voxel is unobserved.
+            NothingHidden: If no voxel is unobserved, from those who do not answer with zeros.
         """
         ...
 

@@ -1,11 +1,12 @@
 """What every extraction policy obeys: ours, the paper's, its baselines."""
 
 import dataclasses
+import itertools
 import pickle
 
 import numpy as np
 import pytest
-from extraction_scenes import grasps_of, question
+from extraction_scenes import THREE, grasps_of, question
 
 from planners.extraction import (
     FewestActionsPolicy,
@@ -16,6 +17,7 @@ from planners.extraction import (
     RandomPolicy,
     XRayPolicy,
 )
+from planners.extraction.candidates import NEAR_M
 from rfcompass.errors import InputError, NothingToGrasp, ShapeError
 from rfcompass.interfaces import ExtractionPolicy
 from rfcompass.types import GraspMaps, InstanceMasks, VoxelGrid
@@ -53,6 +55,11 @@ def same(one, other):
         and np.allclose(one.T_world_hand, other.T_world_hand, rtol=0, atol=1e-9)
         and one.aperture_m == other.aperture_m
     )
+
+
+def level_m(action, place_m):
+    """Distance of the hand to a place, seen from above."""
+    return np.linalg.norm(action.T_world_hand[:2, 3] - place_m[:2])
 
 
 @every_policy
@@ -138,16 +145,37 @@ def test_an_empty_map_still_has_an_answer(policy):
 
 @pytest.mark.parametrize("policy", [p for p in POLICIES if not isinstance(p, RandomPolicy)], ids=named)
 def test_who_remembers_goes_elsewhere_after_some_failures_and_who_does_not_stays(policy):
-    asked = question(quality=(0.9, 0.9, 0.9))
+    asked = question(mass=(1.5, 1.0, 1.0), quality=(0.9, 0.9, 0.9))
     forgetful = dataclasses.replace(policy, remembers=False)
-    first, failed, taken = policy.choose(*asked.parts()), [], set()
+    first, failed_m, taken = policy.choose(*asked.parts()), [], []
     for _ in range(5):
-        action = policy.choose(*asked.parts(), failed)
-        taken.add(action.mask_label)
-        assert same(forgetful.choose(*asked.parts(), failed), first)
-        failed.append(action.T_world_hand[:3, 3])
-    # The naive policy stays within 5 cm of its voxel.
-    assert len(taken) >= (1 if isinstance(policy, NaivePolicy) else 2)
+        action = policy.choose(*asked.parts(), failed_m)
+        assert same(forgetful.choose(*asked.parts(), failed_m), first)
+        taken.append(action)
+        failed_m.append(action.T_world_hand[:3, 3])
+    assert level_m(taken[1], failed_m[0]) > NEAR_M - 1e-9
+    if isinstance(policy, NaivePolicy) and not policy.gate:  # it stays about its voxel
+        assert max(level_m(action, THREE[0].centre_m) for action in taken) <= policy.reach_m + 0.01
+    else:
+        assert len({action.mask_label for action in taken}) >= 2
+
+
+@pytest.mark.parametrize("gate", [True, False])
+def test_who_draws_and_remembers_draws_what_failed_less_often_and_elsewhere_on_it(gate):
+    """With the gate what failed is no longer among what is drawn; a draw comes from the number of failures, too."""
+    asked = question(quality=(0.9, 0.9, 0.9))
+    labels, best = asked.masks.labels, FuseBotPolicy().choose(*asked.parts())
+    failed_m = [best.T_world_hand[:3, 3]]
+    drawn = {True: 0, False: 0}
+    for seed, remembers in itertools.product(range(60), drawn):
+        policy = RandomPolicy(seed=seed, gate=gate, remembers=remembers)
+        action = policy.choose(*asked.parts(), failed_m)
+        if action.mask_label == best.mask_label:
+            drawn[remembers] += 1
+            assert (level_m(action, failed_m[0]) > NEAR_M - 1e-9) == remembers
+    third = 60 / len(np.unique(labels[labels > 0]))
+    assert drawn[False] == pytest.approx(third, abs=10)
+    assert drawn[True] == 0 if gate else 0 < drawn[True] < drawn[False] - 5
 
 
 @every_policy
@@ -160,18 +188,34 @@ def test_images_of_different_sizes_are_refused(policy):
         policy.choose(asked.grid, asked.view, asked.masks, GraspMaps(*np.zeros((4, 3, 3))))
 
 
-@pytest.mark.parametrize(
-    "policy", [FuseBotPolicy(), RandomPolicy(), LargestMaskPolicy(), MapMassPolicy(gate=True), OURS]
-)
+GATED = [
+    FuseBotPolicy(),
+    LargestMaskPolicy(),
+    MapMassPolicy(gate=True),
+    NaivePolicy(gate=True),
+    XRayPolicy(target_m=TARGET_M, gate=True),
+    OURS,
+]
+
+
+@pytest.mark.parametrize("policy", GATED, ids=named)
 def test_the_gate_bars_what_can_hardly_be_grasped_as_long_as_something_can(policy):
     asked = question(mass=(5.0, 1.0, 1.0), quality=(0.4, 0.4, 0.6))
     assert policy.choose(*asked.parts()).mask_label == 3
-    ungated = {dataclasses.replace(policy, gate=False).choose(*asked.parts()).mask_label}
-    if not isinstance(policy, RandomPolicy):
-        assert ungated == {1}
+    assert dataclasses.replace(policy, gate=False).choose(*asked.parts()).mask_label == 1
     hopeless = dataclasses.replace(asked, grasps=grasps_of(asked.masks.labels, (0.4, 0.3, 0.3)))
-    if not isinstance(policy, RandomPolicy):
-        assert policy.choose(*hopeless.parts()).mask_label == 1
+    assert policy.choose(*hopeless.parts()).mask_label == 1
+
+
+def test_with_the_gate_only_what_can_be_grasped_is_drawn_as_long_as_something_can():
+    asked = question(quality=(0.4, 0.4, 0.6))
+    hopeless = dataclasses.replace(asked, grasps=grasps_of(asked.masks.labels, (0.4, 0.3, 0.3)))
+
+    def drawn(of, gate):
+        return {RandomPolicy(seed=seed, gate=gate).choose(*of.parts()).mask_label for seed in range(20)}
+
+    assert drawn(asked, True) == {3}
+    assert drawn(asked, False) == drawn(hopeless, True) == {1, 2, 3}
 
 
 @every_policy

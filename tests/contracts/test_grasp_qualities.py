@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from box_scenes import Block, looking_down, see
 
-from planners.grasp_network import NetworkGraspQuality
+from planners.grasp_network import NetworkGraspQuality, ggcnn_network
 from planners.grasp_quality import AntipodalQuality
 from rfcompass.errors import InputError
 from rfcompass.interfaces import GraspQuality
@@ -20,8 +20,23 @@ def near_is_good(depth_m):
     return near * 0.5, np.zeros(depth_m.shape), np.full(depth_m.shape, 20.0)
 
 
-QUALITIES = [AntipodalQuality(), NetworkGraspQuality(network=near_is_good)]
-named = pytest.mark.parametrize("quality", QUALITIES, ids=lambda q: type(q).__name__)
+def anywhere(depth_m):
+    """Stands for a network that answers everywhere, as GG-CNN does."""
+    return np.full(depth_m.shape, 0.5), np.zeros(depth_m.shape), np.full(depth_m.shape, 20.0)
+
+
+def forward(image):
+    """A GG-CNN of 60 x 60 pixels that likes all it sees alike: quality, cos, sin, width."""
+    return [np.full(image.shape, value) for value in (0.5, 1.0, 0.0, 0.2)]
+
+
+QUALITIES = {
+    "antipodal": AntipodalQuality(),
+    "network": NetworkGraspQuality(network=near_is_good),
+    "network anywhere": NetworkGraspQuality(network=anywhere),
+    "ggcnn": NetworkGraspQuality(network=ggcnn_network(forward, 60)),
+}
+named = pytest.mark.parametrize("quality", QUALITIES.values(), ids=QUALITIES)
 
 
 @named
@@ -50,6 +65,15 @@ def test_a_grasp_stays_above_the_table_and_within_the_surface(quality):
     assert (maps.depth_m[good] > 0).all()
     assert (0.7 - view.depth_m[good] - maps.depth_m[good] > 0).all()
     assert (labels[good] > 0).all()
+
+
+@named
+def test_a_table_at_another_height_has_no_grasp_either(quality):
+    raised = [dataclasses.replace(block, centre_m=np.add(block.centre_m, (0, 0, 0.75))) for block in APART]
+    view, labels = see(raised, looking_down(height_m=1.45), shape=(120, 160), table_m=0.75)
+    maps = dataclasses.replace(quality, table_m=0.75).quality(view)
+    assert maps.quality[labels == 1].max() > 0.3
+    assert not maps.quality[labels == 0].any()
 
 
 @named

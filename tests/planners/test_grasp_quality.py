@@ -25,6 +25,17 @@ SOME = st.builds(
     height_m=st.floats(0.03, 0.09),
     from_m=st.floats(0.0, 0.025),
 )
+# With room to spare: narrower than the jaws open, and whole in the image with the ground about it.
+FITTING = st.builds(
+    Upright,
+    x_m=st.floats(-0.01, 0.01),
+    y_m=st.floats(-0.01, 0.01),
+    yaw_rad=st.floats(0, np.pi),
+    length_m=st.floats(0.02, 0.09),
+    width_m=st.floats(0.02, 0.07),
+    height_m=st.floats(0.03, 0.06),
+    from_m=st.floats(0.0, 0.025),
+)
 
 
 def standing(view):
@@ -123,11 +134,13 @@ def test_qualities_are_shares_and_only_on_what_stands(things):
 
 
 @settings(max_examples=8, deadline=None)
-@given(SOME, st.integers(0, 15), st.floats(-0.03, 0.03), st.floats(-0.03, 0.03))
+@given(FITTING, st.integers(0, 15), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02))
 def test_turning_the_camera_hardly_changes_the_best_grasp(thing, turns, x_m, y_m):
+    """By 0.005 in the median of 380 drawn things, 0.046 at most; where an image cuts them off, by more."""
     first = QUALITY.quality(look(thing)).quality.max()
     other = QUALITY.quality(look(thing, turn_rad=turns * np.pi / 8, at_m=(x_m, y_m))).quality.max()
-    assert other == pytest.approx(first, abs=0.35)
+    assert first > 0.7
+    assert other == pytest.approx(first, abs=0.08)
 
 
 @settings(max_examples=8, deadline=None)

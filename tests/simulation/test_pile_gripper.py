@@ -74,11 +74,14 @@ def test_where_nothing_is_the_hand_misses() -> None:
     assert np.abs(world.states[1] - before).max() < 1e-3
 
 
-def test_without_friction_nothing_is_held() -> None:
+@pytest.mark.parametrize(("tips_m", "outcome", "gap_m"), [(0.020, "slipped", 0.06), (0.035, "missed", 0.0)])
+def test_without_friction_nothing_is_held(tips_m: float, outcome: str, gap_m: float) -> None:
+    """Below its widest place the jaws have it until they lift; above that it is squeezed out while they close."""
     slippery = PilePhysics(friction=0.0, torsion_m=0.0, rolling_m=0.0)
     world = world_of((item(1, "ellipsoid", 0.06, 0.05, 0.05), at(0, 0, 0.025)), physics=slippery)
-    done = grasp_item(world, hand_at(0, 0, 0.028), 0.085, PileHand(friction=0.0))
-    assert done.outcome in ("slipped", "missed")
+    done = grasp_item(world, hand_at(0, 0, tips_m), 0.085, PileHand(friction=0.0))
+    assert (done.outcome, done.taken) == (outcome, ())
+    assert done.gap_m == pytest.approx(gap_m, abs=0.005)
     assert len(world.items) == 1
 
 

@@ -108,4 +108,13 @@ def test_a_share_of_tags_is_one_of_all_distractors():
     scene = tiny()
     counts = [len(dealt(Arm("fusebot", share=share), scene, 1).tags) for share in (0.0, 0.25, 0.5)]
     assert counts == [round(share * (len(scene.items) - 1)) for share in (0.0, 0.25, 0.5)]
-    assert np.all([arm.tags >= 0 for arm in EVERY_ARM.values()])
+
+
+@pytest.mark.parametrize("name", EVERY_ARM)
+def test_every_arm_has_the_tags_that_it_says_as_far_as_there_are_items_for_them(name):
+    arm, scene = EVERY_ARM[name], tiny()
+    tagged = [tag.number for tag in dealt(arm, scene, 1).tags]
+    taggable = [item.number for item in scene.items if item.taggable and item.number != scene.target]
+    asked = arm.tags + round(arm.share * (len(scene.items) - 1))
+    assert len(set(tagged) - {scene.target}) == min(asked, len(taggable))
+    assert (scene.target in tagged) == (arm.placement == "target") == ("_own" in name)

@@ -8,20 +8,20 @@ import pytest
 
 pytest.importorskip("mujoco", reason="the extra `piles` is not installed")
 
-from simulation.pile_scenes import tiny
+from simulation.pile_scenes import RED, at, item, tiny
 
+from planners.pile_arm import PileArm
 from rfcompass.errors import InputError, PileUnsettled
 from rfcompass.mapping.visual_map import check_spacing
-from rfcompass.simulation.piles import ExecutedGrasp
+from rfcompass.simulation.piles import ExecutedGrasp, PileScene, flat_state
 from rfcompass.simulation.piles.catalogue import draw_target
 from rfcompass.studies import pile_robot
-from rfcompass.studies.pile_robot import DROP_M, READ_S, SimulatedPileRobot
-from rfcompass.studies.pile_scan import PILE_SAR
+from rfcompass.studies.pile_robot import DROP_M, READ_S, SimulatedPileRobot, pile_arm
+from rfcompass.studies.pile_scan import PILE_SAR, T_WORLD_BASE
 from rfcompass.studies.search_film import film_of
 from rfcompass.studies.search_methods import METHODS, search_method
 from rfcompass.studies.searching import SearchRun, SearchTask, tagged_items_of
 from rfcompass.types import ExtractionAction, GraspMaps, InstanceMasks, TagFix
-from rfcompass.types.grasps import Failure
 
 SEED = 1
 
@@ -311,11 +311,45 @@ def test_where_nothing_promises_to_hold_a_simulated_search_tries_and_ends(name):
     assert result.found == (run.task.scene.target in run.robot.taken)
 
 
-def test_a_simulated_pile_that_the_arm_does_not_reach_ends_with_the_reason(monkeypatch):
-    run = begin("fusebot")
-    far = Failure("no_posture", "the drop zone is a mile away")
-    monkeypatch.setattr(run.robot.arm, "fetch", lambda T, start: far)
+def arm_at(further_m=0.0, drop_m=DROP_M):
+    """The arm of the studies with its foot further from the table, or with another drop zone."""
+    arm, T_world_base = pile_arm(), T_WORLD_BASE.copy()
+    T_world_base[1, 3] -= further_m
+    return PileArm(arm.ik, T_world_base, arm.camera, np.array(drop_m), arm.resting)
+
+
+def begin_with(arm, scene, name):
+    one = SearchTask(scene, tagged_items_of(scene, "any", 0, SEED), SEED, spacing_m=0.02)
+    robot = SimulatedPileRobot(scene=scene, tags=one.tags, seed=SEED, arm=arm)
+    return SearchRun(one, search_method(name, one.tags.target_size, SEED), robot)
+
+
+def box_at_the_far_end():
+    """A box at the table's far end, and in it, where nobody sees it, the target."""
+    things = {1: item(1, size_m=(0.10, 0.06, 0.08)), 2: item(2, size_m=(0.04, 0.04, 0.04), rgb=RED)}
+    states = {number: flat_state(thing, at(0.1, 0.35, 0.04)) for number, thing in things.items()}
+    return PileScene("box", 1, "hidden", tuple(things.values()), states, {1: 0, 2: 0}, target=2)
+
+
+@pytest.mark.parametrize(
+    ("of_arm", "scene_of", "name"),
+    [({"further_m": 0.25}, box_at_the_far_end, "largest"), ({"drop_m": (3.0, 0.0, 0.35)}, tiny, "fusebot")],
+    ids=["a box that it sees", "the drop zone"],
+)
+def test_what_the_arm_really_does_not_reach_ends_a_search_with_all_that_was_tried(of_arm, scene_of, name):
+    scene = scene_of()
+    run = begin_with(arm_at(**of_arm), scene, name)
     result = run.run()
-    assert (result.outcome, result.failed_grasps) == ("out_of_reach", 5)
-    assert "a mile away" in result.message
+    assert (result.outcome, result.actions) == ("out_of_reach", 5)
+    assert {step.attempt.outcome for step in result.steps} == {"unreachable"}
+    assert "the arm cannot hold its tool" in result.message
+    assert all(step.attempt.message and step.masks.count and step.elapsed_s > 0 for step in result.steps)
     assert run.robot.taken == []
+    assert all(np.array_equal(run.robot.world.states[n], state) for n, state in scene.states.items())
+
+
+def test_an_arm_that_stands_too_far_off_to_look_ends_a_search_with_what_was_mapped_before():
+    result = begin_with(arm_at(further_m=1.5), tiny(), "ours").run()
+    assert (result.outcome, result.actions) == ("out_of_reach", 0)
+    assert result.message.startswith("the arm cannot look at the pile: the arm cannot hold its tool")
+    assert result.elapsed_s > 0 < result.hidden_m3
