@@ -140,8 +140,11 @@ class NetworkGraspQuality:
             if image.shape != shape:
                 message = f"the network gave {name} of shape {image.shape} for an image of {shape}"
                 raise ShapeError(message, name=name, expected=shape, got=image.shape)
+            if lost := int((~np.isfinite(image)).sum()):
+                message = f"the network's {name} is no number in {lost} pixels; it gives 0 where there is no grasp"
+                raise ShapeError(message, name=name, lost=lost)
             least = -np.inf if name == "angle" else 0.0
-            if not (np.isfinite(image) & (image >= least) & (image <= greatest)).all():
+            if not ((image >= least) & (image <= greatest)).all():
                 low, high = float(np.min(image)), float(np.max(image))
                 message = (
                     f"the network's {name} goes from {low:.3g} to {high:.3g}, not within {least:g} and {greatest:g}"

@@ -30,7 +30,7 @@ def run_page(page, names):
     return names
 
 
-def test_the_page_on_searching_searches_and_compares_a_policy_of_ones_own(monkeypatch, capsys):
+def test_the_page_on_searching_searches_and_compares_a_policy_of_ones_own(monkeypatch, capsys, tmp_path):
     from simulation.pile_scenes import tiny  # noqa: PLC0415 - skips where MuJoCo is not installed
 
     asked = []
@@ -45,8 +45,14 @@ def test_the_page_on_searching_searches_and_compares_a_policy_of_ones_own(monkey
     result = names["result"]
     assert capsys.readouterr().out.split()[:2] == [result.outcome, str(result.actions)]
     names["compare"](FuseBotPolicy(), seeds=[1])
-    assert re.fullmatch(r"1 [a-z_]+ \d+\n", capsys.readouterr().out)
+    compared = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [name for _, name, _ in compared] == ["mine", "ours_plain", "fusebot", "xray_views"]
+    assert all(seed == "1" and 1 <= int(actions) <= 15 for seed, _, actions in compared)
     assert asked == [("covered_1p10", 3, "hidden"), ("covered_1p10", 1, "hidden")]
+    tags = names["tagged_items_of"](scene := tiny(), "any", 0, 1)
+    run = names["SearchRun"].of(names["SearchTask"](scene, tags, 1), names["search_method"]("xray", tags.target_size))
+    names["show"](run, run.run(), tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"film.html", "report.html"}
 
 
 def test_the_page_on_choosing_asks_a_policy_and_makes_one():
@@ -76,5 +82,7 @@ def test_the_page_on_grasps_finds_the_best_one_and_takes_a_network():
         assert image.shape == (300, 300)
         return [np.full(image.shape, value) for value in (0.5, 1.0, 0.0, 0.2)]
 
+    maps = names["mine"].quality(view)
+    assert (maps.quality[labels > 0].max(), maps.quality[labels == 0].max()) == (0.5, 0.0)
     maps = names["from_ggcnn"](forward).quality(view)
     assert (maps.quality[labels > 0].max(), maps.quality[labels == 0].max()) == (pytest.approx(0.5), 0.0)
