@@ -7,11 +7,13 @@ from planners.search_method import SearchMethod
 from rfcompass.errors import InputError
 from rfcompass.interfaces import ExtractionPolicy, GraspQuality, PileRobot, Segmenter
 
+_SAME_M = 1e-6  # heights of a table that differ by less are rounded ones
+
 
 def check_parts(
     robot: PileRobot, method: SearchMethod, segmenter: Segmenter, quality: GraspQuality, table_m: float
 ) -> None:
-    """Check that each part has the methods of its role, and that all who know of a table mean the same one.
+    """Check that each part has the methods of its role, and that segmenter and grasps mean the workspace's table.
 
     Args:
         robot: The arm.
@@ -37,6 +39,6 @@ def check_parts(
             raise InputError(f"PileSearch: the {name}, a {got}, is no {role.__name__}", name=name, got=got)
     for part in (segmenter, quality):
         its_m = getattr(part, "table_m", table_m)
-        if not np.isclose(its_m, table_m, rtol=0, atol=1e-6):
+        if not isinstance(its_m, int | float | np.number) or abs(its_m - table_m) > _SAME_M:
             message = f"{type(part).__name__} has its table at {its_m} m, the workspace at {table_m} m"
             raise InputError(message, got=its_m, expected=table_m)

@@ -93,6 +93,8 @@ def check_same_place(grid: VoxelGrid, points_m: FloatArray) -> None:
     if inside.all(axis=-1).any():
         return
     seen_m = points_m[np.isfinite(points_m[..., 2])]
+    if not len(seen_m):
+        raise InputError("the view shows nothing of the map: no pixel has a depth", shown=[])
     shown = [seen_m.min(axis=0).round(2).tolist(), seen_m.max(axis=0).round(2).tolist()]
     mapped = [low_m.round(2).tolist(), high_m.round(2).tolist()]
     message = f"the view shows {shown[0]} to {shown[1]} m, the map is of {mapped[0]} to {mapped[1]} m: another frame?"

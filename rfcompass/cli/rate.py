@@ -9,7 +9,11 @@ from rfcompass.cli.output import JsonFlag, answering, messages, print_json, prin
 
 if TYPE_CHECKING:
     from planners.best_grasps import ImageGrasp
+    from rfcompass.arrays import FloatArray
     from rfcompass.types import DepthView, GraspMaps
+
+
+_GROUND = 0.1  # ours: of what is seen, so much is taken for the table where nothing else is lower
 
 
 def rate_command(  # one parameter for each option
@@ -17,13 +21,15 @@ def rate_command(  # one parameter for each option
         Path, typer.Argument(help="File .npz with depth_m or depth_mm, intrinsics, T_world_camera; colour if you like.")
     ],
     best: Annotated[int, typer.Option(min=1, help="How many grasps to tell, 3 cm apart and more.")] = 5,
-    table: Annotated[float, typer.Option(help="Height of the table in the world [m].")] = 0.0,
+    table: Annotated[float, typer.Option(help="Height of the table in the world [m], to 8 mm.")] = 0.0,
     picture: Annotated[Path | None, typer.Option(help="Draw them into this file, .png, .svg or .pdf.")] = None,
     maps: Annotated[Path | None, typer.Option(help="Write quality, angle, width, depth of each pixel, .npz.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace these files.")] = False,
     as_json: JsonFlag = False,
 ) -> None:
     """Rate the grasps of a depth image, from straight above; tell the best ones."""
+    import numpy as np
+
     from planners import AntipodalQuality
     from planners.best_grasps import best_grasps
     from rfcompass.cli.depth_file import read_view
@@ -31,14 +37,22 @@ def rate_command(  # one parameter for each option
 
     with answering(as_json):
         for file, endings in ((picture, (".png", ".svg", ".pdf")), (maps, (".npz",))):
-            _check_place(file, endings, overwrite=overwrite)
-        view = read_view(image)
-        rated = AntipodalQuality(table_m=table).quality(view)
+            _check_place(file, endings, image, overwrite=overwrite)
+        view, quality = read_view(image), AntipodalQuality(table_m=table)
+        rated = quality.quality(view)
         grasps = best_grasps(view, rated, best)
+        heights_m = _heights_m(view, table)
+        if heights_m.size and (ground_m := float(np.quantile(heights_m, _GROUND))) > quality.standing_m:
+            messages().print(
+                f"a tenth of what is seen is lower than {1000 * ground_m:.0f} mm over the table; if that is the table "
+                "itself, its grasps are none: see --table",
+                markup=False,
+            )
         _write(view, rated, grasps, picture, maps)
         if not grasps:
-            message = f"{image}: no pixel shows a grasp; {int((view.depth_m > 0).sum())} have a depth"
-            raise NothingToGrasp(message, file=str(image))
+            seen = f"{1000 * heights_m.min():.0f} to {1000 * heights_m.max():.0f} mm" if heights_m.size else "nothing"
+            message = f"{image}: no pixel shows a grasp; over the table at {table:g} m it shows {seen}"
+            raise NothingToGrasp(message, file=str(image), table_m=table, pixels=heights_m.size)
         if as_json:
             print_json({"grasps": [_json(grasp) for grasp in grasps]})
             return
@@ -46,7 +60,17 @@ def rate_command(  # one parameter for each option
         print_table(f"best grasps of {image}; pose of the tool", columns, map(_row, grasps))
 
 
-def _check_place(file: Path | None, endings: tuple[str, ...], *, overwrite: bool) -> None:
+def _heights_m(view: "DepthView", table_m: float) -> "FloatArray":
+    """Heights of all that is seen over the table [m]."""
+    import numpy as np
+
+    from rfcompass.mapping.camera import points_image
+
+    heights_m = points_image(view)[..., 2] - table_m
+    return heights_m[np.isfinite(heights_m)]
+
+
+def _check_place(file: Path | None, endings: tuple[str, ...], image: Path, *, overwrite: bool) -> None:
     from rfcompass.errors import InputError
     from rfcompass.recordings.result_folder import check_above
 
@@ -54,18 +78,26 @@ def _check_place(file: Path | None, endings: tuple[str, ...], *, overwrite: bool
         return
     if file.suffix not in endings:
         raise InputError(f"{file}: should end with {' or '.join(endings)}", file=str(file))
+    check_above(file)
+    if file.resolve() == image.resolve():
+        raise InputError(f"{file}: is the image itself", file=str(file))
     if file.is_dir() or (file.exists() and not overwrite):
         raise InputError(f"{file} is there already; --overwrite replaces a file", file=str(file))
-    check_above(file)
 
 
 def _write(
     view: "DepthView", rated: "GraspMaps", grasps: "tuple[ImageGrasp, ...]", picture: Path | None, maps: Path | None
 ) -> None:
+    """Write what was asked for; the picture is drawn before anything is written."""
     import numpy as np
 
     from rfcompass.files import write_atomic
 
+    figure = None
+    if picture is not None:
+        from rfcompass.viz.grasp_maps import draw_grasp_maps
+
+        figure = draw_grasp_maps(view, rated, [(grasp.row, grasp.column) for grasp in grasps])
     if maps is not None:
         images = {name: getattr(rated, name) for name in ("quality", "angle_rad", "width_m", "depth_m")}
 
@@ -76,10 +108,7 @@ def _write(
         maps.parent.mkdir(parents=True, exist_ok=True)
         write_atomic(maps, store)
         messages().print(f"maps: {maps}", markup=False)
-    if picture is not None:
-        from rfcompass.viz.grasp_maps import draw_grasp_maps
-
-        figure = draw_grasp_maps(view, rated, [(grasp.row, grasp.column) for grasp in grasps])
+    if picture is not None and figure is not None:
         picture.parent.mkdir(parents=True, exist_ok=True)
         write_atomic(picture, lambda draft: figure.savefig(draft, dpi=110, format=picture.suffix[1:]))
         messages().print(f"picture: {picture}", markup=False)

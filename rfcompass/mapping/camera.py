@@ -14,7 +14,7 @@ from rfcompass.types.workspace import Workspace
 # Ours. A depth camera measures nothing nearer than its least range (a D415's is about 0.3 m at full size): if half of
 # what it reports is nearer than this, something stands before it, or it is inside something.
 NEAREST_M = 0.10
-# Ours: where nothing is nearer than this, and all of it is as far under the table, depths are in another unit [m].
+# Ours: where all that is seen lies so far over or under the table, depths or poses are in another unit [m].
 _FAR_M = 5.0
 _TRIFLE = 1e-4  # of a voxel
 
@@ -100,13 +100,18 @@ def check_from_above(view: DepthView, table_m: float) -> None:
 
 
 def _check_over_table(view: DepthView, table_m: float) -> None:
-    """Check that a camera stands over the table, and that its depths can be in metres."""
+    """Check that a camera stands over the table, and that its depths and its pose can be in metres."""
     height_m = float(view.T_world_camera[2, 3]) - table_m
     if height_m <= 0:
         raise InputError(f"the camera stands {-height_m:.3f} m below the table top", height_m=height_m)
-    if np.nanmin(view.depth_m, initial=np.inf) < _FAR_M or np.isnan(view.depth_m).all():
+    nearest_m = float(np.nanmin(view.depth_m, initial=np.inf))
+    if np.isnan(view.depth_m).all() or (nearest_m < _FAR_M and height_m < _FAR_M):
         return
-    below_m = table_m - float(np.nanmax(points_image(view)[..., 2]))
+    heights_m = points_image(view)[..., 2] - table_m
+    if (over_m := float(np.nanmin(heights_m))) > _FAR_M:
+        message = f"a camera {height_m:.3g} m over the table, and nothing lower than {over_m:.3g} m: millimetres?"
+        raise InputError(message, height_m=height_m, over_m=over_m)
+    below_m = -float(np.nanmax(heights_m))
     if below_m > _FAR_M:
         median_m = float(np.nanmedian(view.depth_m))
         message = f"a depth of {median_m:.3g} m, and nothing less than {below_m:.3g} m below the table: millimetres?"

@@ -53,8 +53,12 @@ def check_above(target: Path) -> None:
     Raises:
         TraceError: If the nearest one that is there is no folder, or must not be written to; carries `path`.
     """
-    place = target.resolve()
-    above = next((parent for parent in place.parents if _is_there(parent)), place)
+    try:
+        place = target.resolve()
+        above = next((parent for parent in place.parents if _is_there(parent)), place)
+        _is_there(place)
+    except (OSError, RuntimeError, ValueError) as error:  # links in a circle, a name too long, one with a 0 in it
+        raise TraceError(f"{target}: no place for a folder: {error}", path=str(target)) from error
     if not above.is_dir():
         raise TraceError(f"{target}: {above} is no folder", path=str(target))
     if not os.access(above, os.W_OK | os.X_OK):

@@ -8,7 +8,6 @@ import numpy as np
 from planners.grasp_quality import AntipodalQuality
 from planners.pile_search import PileSearch, PileSearchRules
 from planners.search_method import SearchMethod
-from rfcompass.errors import InputError
 from rfcompass.interfaces import GraspQuality, Segmenter
 from rfcompass.localization import SarSurveyor
 from rfcompass.mapping import DepthSegmenter
@@ -115,11 +114,10 @@ def tagged_items_of(scene: PileScene, placement: str, count: int, seed: int, *, 
     With `only_soft` nothing rigid gets one.
 
     Raises:
-        InputError: If the number or the seed is negative.
+        InputError: If the number or the seed is no whole number from 0 on.
     """
     check_count(seed, "seed")
-    if count < 0:
-        raise InputError(f"{count} tags: cannot be", got=count)
+    check_count(count, "count")
     most = sum(
         item.taggable and item.number != scene.target and (item.deformable or not only_soft) for item in scene.items
     )

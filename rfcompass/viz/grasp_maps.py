@@ -45,7 +45,7 @@ def draw_grasp_maps(view: DepthView, maps: GraspMaps, pixels: Sequence[tuple[int
 
 
 def jaws_m(view: DepthView, maps: GraspMaps, pixel: tuple[int, int]) -> FloatArray:
-    """Where the two jaws of a pixel's grasp close, in the world [m], shape (2, 3)."""
+    """Both ends of what a pixel's grasp closes on, at the pixel's own height, in the world [m], shape (2, 3)."""
     row, column = pixel
     ray = np.linalg.inv(view.intrinsics) @ np.array([column, row, 1.0])
     point_m = view.T_world_camera[:3, :3] @ (view.depth_m[pixel] * ray) + view.T_world_camera[:3, 3]

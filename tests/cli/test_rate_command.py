@@ -1,5 +1,7 @@
 """`rfcompass rate` tells the best grasps of a file, and writes all that it was asked for or nothing."""
 
+import io
+
 import numpy as np
 import pytest
 from box_scenes import Block, looking_down, see
@@ -75,6 +77,11 @@ def test_maps_and_picture_are_written_once(run, tmp_path, colour):
     assert run("rate", tmp_path / "view.npz", "--picture", picture, "--overwrite").code == 0
 
 
+def test_a_table_that_is_higher_than_was_said_is_pointed_out(run, file, tmp_path):
+    assert "--table" not in run("rate", file).err
+    assert "10 mm over the table" in run("rate", file, "--table", -0.010).err
+
+
 def test_an_empty_table_is_no_answer(run, tmp_path):
     flat = {**ARRAYS, "depth_m": np.full(SHAPE, HEIGHT_M)}
     np.savez(tmp_path / "flat.npz", **flat)
@@ -93,8 +100,25 @@ def test_an_empty_table_is_no_answer(run, tmp_path):
         {**ARRAYS, "T_world_camera": np.zeros((4, 4))},
         {**ARRAYS, "depth_m": 1000 * VIEW.depth_m},
         {**ARRAYS, "depth_m": np.array([None])},
+        {**ARRAYS, "depth_m": VIEW.depth_m + 0j},
+        {**ARRAYS, "T_world_camera": looking_down(0.0, 0.0, 1000 * HEIGHT_M)},
+        {**ARRAYS, "colour": np.full((*SHAPE, 3), 0.3)},
+        {**ARRAYS, "colour": np.zeros(SHAPE, int)},
     ],
-    ids=["nothing", "no pose", "words", "a row", "small matrix", "no pose at all", "millimetres", "objects"],
+    ids=[
+        "nothing",
+        "no pose",
+        "words",
+        "a row",
+        "small matrix",
+        "no pose at all",
+        "millimetres",
+        "objects",
+        "complex",
+        "camera in millimetres",
+        "colours from 0 to 1",
+        "grey",
+    ],
 )
 def test_what_is_no_image_is_refused_and_nothing_is_written(run, tmp_path, arrays):
     np.savez(tmp_path / "view.npz", **arrays)
@@ -104,7 +128,25 @@ def test_what_is_no_image_is_refused_and_nothing_is_written(run, tmp_path, array
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("content", [None, b"", b"no archive", b"PK\x03\x04 half of one"])
+def damaged(how):
+    """A file of arrays with an error in it: data that cannot be unpacked, or that claims to be locked."""
+    stored = io.BytesIO()
+    np.savez_compressed(stored, **ARRAYS)
+    content = bytearray(stored.getvalue())
+    if how == "locked":
+        content[6] |= 1  # in the first entry's own header and, below, in the list of entries at the end
+        at = content.index(b"PK\x01\x02")
+        content[at + 8] |= 1
+    else:
+        content[60:200] = bytes(140)
+    return bytes(content)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [None, b"", b"no archive", b"PK\x03\x04 half of one", damaged("locked"), damaged("torn")],
+    ids=["none", "empty", "text", "half", "locked", "torn"],
+)
 def test_a_file_that_is_none_is_refused(run, tmp_path, content):
     if content is not None:
         (tmp_path / "view.npz").write_bytes(content)
@@ -118,9 +160,16 @@ def test_a_single_array_is_refused(run, tmp_path):
     assert (ran.code, ran.json["failure"]["found"]) == (2, ["one array"])
 
 
-@pytest.mark.parametrize("name", ["maps.txt", "maps", "file/maps.npz"])
-def test_a_place_that_cannot_be_is_refused_before_anything_is_computed(run, file, tmp_path, name):
+@pytest.mark.parametrize("name", ["maps.txt", "maps", "file/maps.npz", "view.npz", "loop/maps.npz", 300 * "m" + ".npz"])
+def test_a_place_that_cannot_be_is_refused_before_anything_is_computed(run, file, tmp_path, name, monkeypatch):
+    def too_late(*_):
+        raise AssertionError("computed already")
+
+    monkeypatch.setattr(AntipodalQuality, "quality", too_late)
     (tmp_path / "file").write_text("")
-    ran = run("rate", file, "--maps", tmp_path / name, "--json")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    before = file.read_bytes()
+    ran = run("rate", file, "--maps", tmp_path / name, "--overwrite", "--json")
+    assert file.read_bytes() == before
     assert ran.code == 2
     assert ran.json["failure"]["kind"] in ("InputError", "TraceError")
