@@ -39,6 +39,6 @@ def check_parts(
             raise InputError(f"PileSearch: the {name}, a {got}, is no {role.__name__}", name=name, got=got)
     for part in (segmenter, quality):
         its_m = getattr(part, "table_m", table_m)
-        if not isinstance(its_m, int | float | np.number) or abs(its_m - table_m) > _SAME_M:
+        if not isinstance(its_m, int | float | np.number) or not abs(its_m - table_m) <= _SAME_M:
             message = f"{type(part).__name__} has its table at {its_m} m, the workspace at {table_m} m"
             raise InputError(message, got=its_m, expected=table_m)

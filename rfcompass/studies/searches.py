@@ -271,7 +271,8 @@ SEARCHES = Study(
         "masks come from depth, grasps from the antipodal score. fusebot, xray, naive, largest and random have the "
         "views of the paper as we read it (naive: above its voxel), its local update and no memory of failures where "
         "they choose an object; all others look again at all that the view shows and remember failures. known is told "
-        "where the target is, others_known where all other things are: bounds. 0 and 8 are tags on distractors, quarter is a tag on one of four, own is a tag "
-        f"on the target. Constants of policies and grasps were chosen on seeds below {TUNED_BELOW}."
+        "where the target is, others_known where all other things are: bounds. 0 and 8 are tags on distractors, "
+        "quarter is a tag on one of four, own is a tag on the target. Constants of policies and grasps were chosen on "
+        f"seeds below {TUNED_BELOW}."
     ),
 )

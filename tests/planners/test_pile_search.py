@@ -326,8 +326,9 @@ def test_parts_that_know_another_table_are_refused(part: str) -> None:
 
     begun = search(ScriptedRobot([FOUND]))
     assert replace(begun, **{part: OnADesk(0.0)}).workspace.table_m == 0.0
-    with pytest.raises(InputError, match=r"0\.75"):
-        replace(begun, **{part: OnADesk(0.75)})
+    for height, said in ((0.75, r"0\.75"), (None, "None"), ("0.0", "0.0"), (np.nan, "nan")):
+        with pytest.raises(InputError, match=said):
+            replace(begun, **{part: OnADesk(height)})  # type: ignore[arg-type]
 
 
 def test_each_action_is_told_also_the_one_after_which_the_camera_is_blocked() -> None:

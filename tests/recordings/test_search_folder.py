@@ -76,6 +76,14 @@ def test_a_place_inside_a_file_is_refused_before_there_is_anything_to_write(tmp_
 
 
 @every_check
+@pytest.mark.parametrize("name", ["loop/run", 300 * "n", "a\0b"])
+def test_a_place_that_no_system_has_is_refused(tmp_path, check, name):
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(TraceError, match=r"no place|is no folder"):
+        check(tmp_path / name, overwrite=False)
+
+
+@every_check
 def test_a_place_in_a_folder_that_must_not_be_written_to_is_refused(tmp_path, check, monkeypatch):
     asked = []
     monkeypatch.setattr(os, "access", lambda folder, mode: asked.append((folder, mode)))  # says no, also to the root

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planners.extraction import FuseBotPolicy, MaskColumns, mask_scores, project_masks
+from planners.extraction.projection import check_same_place
 from planners.extraction.scores import gated_literally, passes
 from planners.extraction.uncovering import mass_by_depth
 from rfcompass.errors import InputError, ShapeError
@@ -147,3 +148,8 @@ def test_scores_are_of_some_labels_over_the_columns_of_the_map():
         mask_scores(grid, other, np.array([1]))
     with pytest.raises(ShapeError, match="columns"):
         mass_by_depth(grid, other, np.array([1]), 0.01, 0.01, 0.2)
+
+
+def test_a_view_without_a_depth_shows_nothing_of_a_map():
+    with pytest.raises(InputError, match="no pixel has a depth"):
+        check_same_place(question().grid, np.full((4, 5, 3), np.nan))
