@@ -201,7 +201,7 @@ def test_tags_are_dealt_once_for_all_methods_and_as_many_as_there_are_items():
     assert [(tag.epc, tag.number) for tag in one.tags] == [(tag.epc, tag.number) for tag in other.tags]
     taggable = [item for item in scene.items if item.taggable and item.number != scene.target]
     assert len(one.tags) == len(taggable)
-    with pytest.raises(InputError, match="-1 tags"):
+    with pytest.raises(InputError, match="count: -1"):
         tagged_items_of(scene, "any", -1, SEED)
 
 
