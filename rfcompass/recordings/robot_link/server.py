@@ -23,9 +23,11 @@ from rfcompass.recordings.robot_link.served_device import (
 )
 from rfcompass.recordings.robot_link.values import text
 
-# Ours: how long a stranger may be silent, and how many may wait to say hello.
+# Ours: how long a stranger may be silent, how many may wait to say hello, and how long one who was refused may go on
+# talking before the line is cut.
 HELLO_S = 5.0
 MOST_CONNECTIONS = 8
+LINGER_S = 5.0
 
 _START_S = 10.0
 
@@ -170,6 +172,7 @@ class RobotServer:
             return None
         except RfCompassError as error:
             await _send(writer, error_frame(0, error))
+            await _hang_up(reader, writer)
             return None
         if session.writer is not None:
             session.writer.transport.abort()
@@ -212,6 +215,9 @@ class RobotServer:
                 line = await _line(reader)
             except RobotFormatError as error:
                 await _send(writer, error_frame(None, error))
+                if session.writer is writer:  # others need not wait until it has hung up
+                    session.writer = None
+                await _hang_up(reader, writer)
                 return
             if session.writer is not writer:  # the client is back on another connection: what it left here is void
                 return
@@ -268,6 +274,19 @@ async def _line(reader: asyncio.StreamReader) -> bytes:
 async def _send(writer: asyncio.StreamWriter, frame: bytes) -> None:
     writer.write(frame)
     await writer.drain()
+
+
+async def _hang_up(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    """End a connection so that the client hears what was sent last.
+
+    A socket that is closed with bytes unread resets the connection, and the client loses what it has not read yet. So
+    what it still sends is read and thrown away, for a while.
+    """
+    writer.write_eof()
+    with suppress(TimeoutError):
+        async with asyncio.timeout(LINGER_S):
+            while await reader.read(1 << 16):
+                pass
 
 
 def _notice_death(writer: asyncio.StreamWriter) -> None:

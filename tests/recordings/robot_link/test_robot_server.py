@@ -108,13 +108,17 @@ def _last(line):
     return line.ask({"id": 0, "command": "scan"})["error"]["numbers"].get("last_id", 0)
 
 
-def test_a_line_that_is_too_long_ends_the_connection_and_not_the_server(served, device):
+@pytest.mark.parametrize("greets", [True, False])
+def test_a_line_that_is_too_long_ends_the_connection_and_not_the_server(served, device, greets):
+    """However much the client still has to say, it hears why, and then that the server has hung up."""
     with LineClient(served) as line:
-        line.hello()
-        line.say(b" " * (3 * LONGEST_COMMAND_BYTES))
+        if greets:
+            line.hello()
+        line.say(b" " * (10 * LONGEST_COMMAND_BYTES))
         assert kind(line.hear()) == "RobotFormatError"
-    with LineClient(served) as line:
-        assert "reply" in line.hello()
+        assert line.hear() is None
+        with LineClient(served) as other:  # need not wait until the first has left
+            assert "reply" in other.hello(session="b")
     assert not device.moves
 
 
