@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pyarrow.compute as pc
 from write_results import Results, table
+from write_search import mean_and_interval
 
 PAGE = Path(__file__).resolve().parent / "search_studies.md"
 BEGIN, END = "<!-- orderings -->", "<!-- /orderings -->"
@@ -107,14 +108,6 @@ def number(value):
     return float(value[0] if isinstance(value, list) else value)
 
 
-def spread(values):
-    """Mean, and its 95 % interval from 4000 resamples of piles; NaN for fewer than two."""
-    if len(values) < 2:
-        return np.nan, np.nan, np.nan
-    draws = np.random.default_rng(0).choice(values, (4000, len(values))).mean(axis=1)
-    return values.mean(), *np.percentile(draws, [2.5, 97.5])
-
-
 def verdict(low, high, *, higher):
     """What an interval says of an ordering."""
     if np.isnan(low):
@@ -127,7 +120,7 @@ def verdict(low, high, *, higher):
 def shown(values, measure):
     """Mean (interval) with its unit, and on how many piles."""
     digits = 0 if measure == FOUND else 1 if measure == TIME else 2
-    mean, low, high = spread(values)
+    mean, low, high = mean_and_interval(values)
     numbers = (f"{number + 0.0:.{digits}f}" for number in np.round((mean, low, high), digits))
     return "{} ({} … {}){}, {}".format(*numbers, UNITS[measure], len(values))
 
@@ -147,7 +140,7 @@ def orderings(runs):
     lines = []
     for words, where, asked, beside, higher in ORDERINGS:
         values = values_of(rows[asked.study], asked)
-        _, low, high = spread(values)
+        _, low, high = mean_and_interval(values)
         why = "; ".join(
             f"`{pair.one}` less `{pair.other}` {shown(values_of(rows[pair.study], pair), pair.measure)}"
             for pair in beside

@@ -25,13 +25,18 @@ def pooled_values(got, column):
     return got.rows.column(column).drop_null().to_numpy()
 
 
-def interval(values, digits=2):
-    """Mean over all scenes with its 95 % interval, 4000 resamples of scenes."""
+def mean_and_interval(values):
+    """Mean over all scenes and both ends of its 95 % interval, 4000 resamples of scenes; NaN for fewer than two."""
     if len(values) < 2:
-        return "–"
+        return np.nan, np.nan, np.nan
     draws = np.random.default_rng(0).choice(values, (4000, len(values))).mean(axis=1)
-    low, high = np.percentile(draws, [2.5, 97.5])
-    return f"{values.mean():.{digits}f} ({low:.{digits}f} … {high:.{digits}f})"
+    return values.mean(), *np.percentile(draws, [2.5, 97.5])
+
+
+def interval(values, digits=2):
+    """Mean over all scenes with its 95 % interval, as text."""
+    mean, low, high = mean_and_interval(values)
+    return "–" if np.isnan(mean) else f"{mean:.{digits}f} ({low:.{digits}f} … {high:.{digits}f})"
 
 
 def pooled_quantiles(got, column, scale=1.0):

@@ -5,8 +5,7 @@ Our text of the paper lacks its Algorithm 1; this is rebuilt from its section 5:
 1. Go round the table with camera and antennas; map what no view looked into; locate the tags (X-Ray and whatever else
    has no map: take one image of all instead).
 2. If the target is in sight, grasp it; else
-3. compute where it may be, take the cluster with the highest mean (the naive policy: the highest voxel), and move
-   above it;
+3. compute where it may be, and move above the cluster with the highest mean (the naive policy: the highest voxel);
 4. find the objects there and the grasps, let the policy choose, grasp, and carry away what is held;
 5. look again at 10 cm about the grasp, and listen again to the tags that are near it.
 6. Go on at 2, until the target is in the drop zone, after 15 actions, or after 5 failed grasps in a row.

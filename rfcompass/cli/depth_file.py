@@ -32,8 +32,9 @@ def read_view(file: Path) -> "DepthView":
     (H, W, 3).
 
     Raises:
-        InputError: If there is no such file, it is no `.npz` file, or an array is missing or cannot be what it should;
-            carries `file`.
+        InputError: If there is no such file, it is no `.npz` file, or an array is missing or not of numbers; carries
+            `file`.
+        ShapeError: If the arrays are no image, as `DepthView` has it.
     """
     import numpy as np
 

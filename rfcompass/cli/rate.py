@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from rfcompass.types import DepthView, GraspMaps
 
 
-_GROUND = 0.1  # ours: of what is seen, so much is taken for the table where nothing else is lower
+_GROUND = 0.1  # ours: so much of what is seen, the lowest, may be the table
 
 
-def rate_command(  # one parameter for each option
+def rate_command(
     image: Annotated[
         Path, typer.Argument(help="File .npz with depth_m or depth_mm, intrinsics, T_world_camera; colour if you like.")
     ],

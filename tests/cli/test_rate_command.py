@@ -38,7 +38,7 @@ def test_it_tells_the_best_grasps_of_the_image(run, file):
 def test_millimetres_with_holes_of_zero_are_read_as_such(run, tmp_path):
     depth_mm = np.round(1000 * VIEW.depth_m).astype(np.uint16)
     depth_mm[:3] = 0
-    np.savez(tmp_path / "mm.npz", **{**ARRAYS, "depth_mm": depth_mm}, allow_pickle=False)
+    np.savez(tmp_path / "mm.npz", **{**ARRAYS, "depth_mm": depth_mm})
     both = run("rate", tmp_path / "mm.npz", "--json")
     assert (both.code, both.json["failure"]["kind"]) == (2, "InputError")  # which of the two is meant?
     arrays = {name: array for name, array in ARRAYS.items() if name != "depth_m"}
